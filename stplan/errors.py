@@ -1,0 +1,40 @@
+"""The errors a user can meet, and the exit status each stands for.
+
+A numerical outcome (stopped early, could not improve) is no error but a status of the plan.
+"""
+
+from __future__ import annotations
+
+
+class StplanError(Exception):
+    """Base of every error this package raises on purpose; ``exit_status`` is the command's."""
+
+    exit_status: int = 5
+
+
+class SceneError(StplanError):
+    """The scene, its map or the command line is wrong. One message a line, each with its place."""
+
+    exit_status = 2
+
+    def __init__(self, messages: str | list[str]) -> None:
+        self.messages = [messages] if isinstance(messages, str) else list(messages)
+        super().__init__("\n".join(self.messages))
+
+
+class UsageError(StplanError):
+    """A command was called with arguments that cannot be served (a missing file, a bad option)."""
+
+    exit_status = 2
+
+
+class SeedingError(StplanError):
+    """No collision-free initial curves were found; the message names agents and what blocks them."""
+
+    exit_status = 3
+
+
+class SolverError(StplanError):
+    """The optimiser is missing something it was asked for (a linear solver, an option)."""
+
+    exit_status = 2

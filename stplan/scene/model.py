@@ -1,0 +1,158 @@
+"""The scene as the rest of the package sees it: immutable, complete, every default filled in.
+
+The file format itself (keys, validation, JSON Schema) is `stplan.scene.format`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Weights:
+    """The paper's K of one agent, all >= 0. `regularity` None means auto (scaled by the seed)."""
+
+    kinetic: float = 1.0
+    acceleration: float = 0.0
+    arrival: float = 0.0
+    regularity: float | None = None
+    collision: float = 1.0
+    wall: float = 1.0
+
+
+@dataclass(frozen=True)
+class Agent:
+    """One agent. Lengths in m, times in s, mass in kg.
+
+    `path`, where given, is the whole world line ((x, y, t), ...): the agent moves as told, and
+    `start`, `goal`, `start_time` and `max_time` repeat its ends.
+    """
+
+    id: str
+    start: Point
+    goal: Point
+    start_time: float
+    max_time: float
+    preferred_time: float | None
+    radius: float
+    mass: float
+    after_arrival: Literal["stay", "vanish"]
+    waypoints: tuple[Point, ...]
+    weights: Weights
+    path: tuple[tuple[float, float, float], ...] | None = None
+
+
+@dataclass(frozen=True)
+class PairRule:
+    """An override for every pair with one agent (index) in `left` and the other in `right`."""
+
+    left: tuple[int, ...]
+    right: tuple[int, ...]
+    distance: float | None = None
+    grouping: float | None = None
+    collide: bool | None = None
+
+
+@dataclass(frozen=True)
+class MeshBase:
+    """A flat mesh as the map; `up` names the axis that is dropped."""
+
+    path: Path
+    up: Literal["x", "y", "z"]
+
+
+@dataclass(frozen=True)
+class PolygonBase:
+    """An outer ring with holes as the map (a rectangle is four points)."""
+
+    outer: tuple[Point, ...]
+    holes: tuple[tuple[Point, ...], ...] = ()
+
+
+@dataclass(frozen=True)
+class PolygonObstacle:
+    """An area cut out of the base (a rectangle is four points)."""
+
+    ring: tuple[Point, ...]
+
+
+@dataclass(frozen=True)
+class CircleObstacle:
+    """A disc cut out of the base."""
+
+    center: Point
+    radius: float
+
+
+@dataclass(frozen=True)
+class MapSpec:
+    """The map as written: a base, obstacles cut out of it, wanted edge length of the mesh (m)."""
+
+    base: MeshBase | PolygonBase
+    obstacles: tuple[PolygonObstacle | CircleObstacle, ...] = ()
+    resolution: float | None = None
+
+
+@dataclass(frozen=True)
+class SeedingSettings:
+    """How initial curves are found; `layers` None means auto."""
+
+    method: Literal["auto", "dijkstra", "search", "relaxation"] = "auto"
+    layers: int | None = None
+    margin: float = 1.05
+    time_limit: float = 60.0
+    rng_seed: int = 0
+
+
+@dataclass(frozen=True)
+class SolverSettings:
+    """How curves are optimised; None means auto, `barrier_range` inf the unbounded logarithm."""
+
+    knots: int | None = None
+    mu: float | None = None
+    mu_decay: float = 0.75
+    outer_iterations: int = 5
+    max_iterations: int = 100
+    step_tolerance: float = 1.0e-2
+    optimality_tolerance: float = 1.0e-2
+    alpha: float = 50.0
+    clearance_model: Literal["contacts", "smooth-minimum"] = "contacts"
+    barrier_range: float | None = None
+    hessian: Literal["gauss-newton", "exact", "limited-memory"] = "gauss-newton"
+    linear_solver: str = "mumps"
+    ipopt: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A whole planning problem.
+
+    Attributes:
+        name: names the output folder.
+        source: the scene file, or None for a scene built in memory.
+        content_hash: SHA-256 of the scene's meaning and of its mesh's bytes.
+        horizon: T^max of agents without their own (s).
+        time_scale: c in m/s; the space-time metric is dx^2 + dy^2 + (c dt)^2.
+    """
+
+    name: str
+    description: str
+    source: Path | None
+    content_hash: str
+    map: MapSpec | None
+    horizon: float
+    time_scale: float
+    agents: tuple[Agent, ...]
+    pairs: tuple[PairRule, ...]
+    seeding: SeedingSettings
+    solver: SolverSettings
+
+    @property
+    def final_time(self) -> float:
+        """Until when a staying agent stands on its goal: the horizon, or the latest `max_time`."""
+        return max(self.horizon, *(agent.max_time for agent in self.agents))
