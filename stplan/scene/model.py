@@ -138,6 +138,7 @@ class Scene:
         content_hash: SHA-256 of the scene's meaning and of its mesh's bytes.
         horizon: T^max of agents without their own (s).
         time_scale: c in m/s; the space-time metric is dx^2 + dy^2 + (c dt)^2.
+        locations: (line, column), from 1, of every path of the file such as ``agents[2].radius``.
     """
 
     name: str
@@ -151,6 +152,15 @@ class Scene:
     pairs: tuple[PairRule, ...]
     seeding: SeedingSettings
     solver: SolverSettings
+    locations: Mapping[str, tuple[int, int]] = field(default_factory=dict, repr=False)
+
+    def located(self, path: str, message: str) -> str:
+        """`message` headed by file, line, column and `path` (or its nearest known ancestor)."""
+        known = path
+        while known not in self.locations and known:
+            known = known[: max(known.rfind("."), known.rfind("["), 0)]
+        line, column = self.locations.get(known, (1, 1))
+        return f"{self.source or self.name}:{line}:{column}: {path}: {message}"
 
     @property
     def final_time(self) -> float:
