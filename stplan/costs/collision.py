@@ -1,0 +1,138 @@
+"""Collision cost: C^C_ab = -mu K^C_ab log(d_ab - R_ab)   (the paper's collision equation).
+
+d_ab is the distance of two rods in (x, y, c t). Two models of it: `contacts`, the barrier of every close
+pair of segments, and `smooth-minimum`, the barrier of the log-sum-exp minimum over them, the paper's.
+Both use exact distances of segments, so that nothing passes between samples.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stplan.arrays import FloatArray, IntArray
+from stplan.costs.contact_term import ContactList, ContactTerm
+from stplan.costs.rods import Rods
+from stplan.scene.interactions import Interactions
+from stplan.smooth_distance.clearance_barriers import (
+    Coefficients,
+    choose_alpha,
+    contact_barriers,
+    smooth_minimum_barriers,
+)
+from stplan.smooth_distance.contacts import measure
+from stplan.smooth_distance.rod_neighbours import near_segments
+
+
+class Collision(ContactTerm):
+    """Barriers between the rods of every colliding pair.
+
+    Args:
+        knots: (M, 3) around which the structure is made; every rod must be clear there.
+        rods: segments and tails.
+        interactions: who collides, at which distance, how strongly.
+        mu: barrier weight.
+        reach: (A, A) clearance in m at which repulsion starts, inf for the unbounded logarithm.
+        alpha_0: sharpness in 1/m of the smooth minimum, None for the model of contacts.
+        exact: reserve what the exact Hessian of the smooth minimum needs.
+        alphas: (A, A) sharpness kept from an earlier run, nan where not chosen yet.
+    """
+
+    name = "collision"
+
+    def __init__(
+        self,
+        knots: FloatArray,
+        rods: Rods,
+        interactions: Interactions,
+        mu: float,
+        reach: FloatArray,
+        *,
+        alpha_0: float | None = None,
+        exact: bool = False,
+        alphas: FloatArray | None = None,
+        skin: float | None = None,
+    ) -> None:
+        self._rods = rods
+        self._interactions = interactions
+        self._reach = reach
+        self._alpha_0 = alpha_0
+        self._num_agents = len(reach)
+        self._alphas = np.full_like(reach, np.nan) if alphas is None else alphas
+        self._weights = mu * interactions.collision_weight
+        felt = reach[interactions.collides & np.isfinite(reach)]
+        widest = float(interactions.distance[interactions.collides].max(initial=1.0))
+        own_skin = 0.5 * (float(felt.max()) if len(felt) else widest)
+        chosen = own_skin if skin is None else skin
+        super().__init__(
+            num_knots=len(knots),
+            axis_scale=np.array([1.0, 1.0, rods.time_scale]),
+            skin=chosen,
+            structure_skin=2 * chosen,
+            exact_coupling=exact and alpha_0 is not None,
+        )
+        self.start(knots)
+
+    def positions(self, knots: FloatArray) -> FloatArray:
+        """(M + T, 3) positions of knots and tail ends."""
+        return self._rods.positions(knots)
+
+    def find_contacts(self, knots: FloatArray, skin: float) -> ContactList:
+        """Pairs of segments nearer than distance, reach and skin together."""
+        positions = self.positions(knots)
+        pairs = self._near(positions, self._interactions.distance + self._reach + skin)
+        first, second = self._rods.agents[pairs[:, 0]], self._rods.agents[pairs[:, 1]]
+        points = np.hstack([self._rods.segments[pairs[:, 0]], self._rods.segments[pairs[:, 1]]])
+        contacts = ContactList.grouped(points, first * self._num_agents + second)
+        if self._alpha_0 is not None and len(points):
+            contacts = self._sharpen(positions, contacts, skin)
+        return contacts
+
+    def _near(self, positions: FloatArray, reach: FloatArray) -> IntArray:
+        rods = self._rods
+        if np.isfinite(reach[self._interactions.collides]).all():
+            return near_segments(
+                positions, rods.segments, rods.agents, self._interactions.collides, reach
+            )
+        return all_pairs(rods.agents, self._interactions.collides)
+
+    def _sharpen(self, positions: FloatArray, contacts: ContactList, skin: float) -> ContactList:
+        """Choose alpha of new pairs; drop contacts too far to weigh anything in the minimum."""
+        distance = measure(positions, contacts.points).distance
+        first, second = np.divmod(contacts.keys, self._num_agents)
+        new = np.isnan(self._alphas[first, second])
+        if new.any():
+            chosen = choose_alpha(
+                distance, contacts.starts, self._interactions.distance[first, second],
+                self._alpha_0 or 0.0,
+            )  # fmt: skip
+            self._alphas[first[new], second[new]] = chosen[new]
+        alpha = self._alphas[first, second]
+        least = np.minimum.reduceat(distance, contacts.starts[:-1])
+        keep = distance < (least + 36.0 / alpha + 2 * skin)[contacts.members]
+        return ContactList.grouped(contacts.points[keep], contacts.keys[contacts.members[keep]])
+
+    @property
+    def alphas(self) -> FloatArray:
+        """(A, A) sharpness of every pair met so far, nan elsewhere."""
+        return self._alphas
+
+    def coefficients(self, distance: FloatArray, contacts: ContactList) -> Coefficients:
+        """Barriers of contacts, or of every pair's smooth minimum."""
+        first, second = np.divmod(contacts.keys, self._num_agents)
+        radius = self._interactions.distance[first, second]
+        weight = self._weights[first, second]
+        reach = self._reach[first, second]
+        if self._alpha_0 is None:
+            members = contacts.members
+            return contact_barriers(distance, radius[members], weight[members], reach[members])
+        return smooth_minimum_barriers(
+            distance, contacts.starts, self._alphas[first, second], radius, weight, reach
+        )
+
+
+def all_pairs(agents: IntArray, wanted: FloatArray | IntArray) -> IntArray:
+    """(N, 2) every pair of segments of agents a < b with wanted[a, b]; quadratic, for small scenes."""
+    i, j = np.triu_indices(len(agents), 1)
+    i, j = np.where(agents[i] <= agents[j], i, j), np.where(agents[i] <= agents[j], j, i)
+    keep = (agents[i] != agents[j]) & (wanted[agents[i], agents[j]] != 0)
+    return np.column_stack([i[keep], j[keep]])

@@ -1,0 +1,73 @@
+"""Regularity cost: C^R_a = K^R_a sum_i (T/n) / dt_i with T = t_n - t_0   (the paper's regularizer).
+
+Its least value is K^R n, reached where all dt are equal; very short segments cost without bound.
+Through T the arrival time couples to every knot of the agent: an arrow in the Hessian. With
+e_i = 1/dt_i and S = sum e_i:  f = (K/n) T S,  f_TT = 0,  d/d(dt_i) = -(K/n) T e_i^2,
+d2/d(dt_i)2 = 2 (K/n) T e_i^3,  d2/(dT d dt_i) = -(K/n) e_i^2.  The start time t_0 is a constant.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stplan.arrays import FloatArray, IntArray
+from stplan.costs.term import Term
+from stplan.world_lines import KnotLayout
+
+
+class Regularity(Term):
+    """Keeps the knots of every agent spread evenly in time."""
+
+    name = "regularity"
+
+    def __init__(self, layout: KnotLayout, weights: FloatArray, start_times: FloatArray) -> None:
+        """`weights` K^R (A,), `start_times` t_0 (A,) in s."""
+        self._layout = layout
+        self._start = layout.segment
+        self._agent = layout.agent_of_segment
+        self._last = layout.last
+        self._weight = weights / layout.num_segments
+        self._start_times = start_times
+
+    def _durations(self, knots: FloatArray) -> tuple[FloatArray, FloatArray]:
+        step = knots[self._start + 1, 2] - knots[self._start, 2]
+        return step, knots[self._last, 2] - self._start_times
+
+    def value(self, knots: FloatArray) -> float:
+        """The cost, inf where time does not advance."""
+        return float(self.per_agent(knots).sum())
+
+    def per_agent(self, knots: FloatArray) -> FloatArray:
+        """The cost of every agent (A,)."""
+        step, total = self._durations(knots)
+        if not (step > 0).all():
+            return np.full(self._layout.num_agents, np.inf)
+        return self._weight * total * np.bincount(self._agent, 1 / step, len(total))
+
+    def gradient(self, knots: FloatArray) -> FloatArray:
+        """(M, 3); only times matter."""
+        step, total = self._durations(knots)
+        push = -(self._weight * total)[self._agent] / step**2
+        result = np.zeros_like(knots)
+        result[self._start + 1, 2] += push
+        result[self._start, 2] -= push
+        result[self._last, 2] += self._weight * np.bincount(self._agent, 1 / step, len(total))
+        return result
+
+    def hessian_structure(self) -> tuple[IntArray, IntArray]:
+        """(t_i, t_i), (t_{i+1}, t_{i+1}), (t_{i+1}, t_i), then the arrow (t_n, t_i), (t_n, t_{i+1})."""
+        first, second = 3 * self._start + 2, 3 * self._start + 5
+        last = 3 * self._last[self._agent] + 2
+        return (
+            np.concatenate([first, second, second, last, last]),
+            np.concatenate([first, second, first, first, second]),
+        )
+
+    def hessian(self, knots: FloatArray) -> FloatArray:
+        """Exact second derivatives in the order of the structure."""
+        step, total = self._durations(knots)
+        stiff = 2 * (self._weight * total)[self._agent] / step**3
+        arrow = self._weight[self._agent] / step**2
+        # On the last segment the arrow's second entry lies on the diagonal and counts twice.
+        twice = np.where(self._start + 1 == self._last[self._agent], 2.0, 1.0)
+        return np.concatenate([stiff, stiff, -stiff, arrow, -twice * arrow])
