@@ -1,0 +1,108 @@
+"""Least distance of two moving agents over all time, in closed form.
+
+Between the knots of both curves the relative position is linear in time, so on every merged interval
+the least distance is that of the origin to a segment. Nothing is sampled. This module shares no code with
+the optimiser on purpose: it is what the optimiser's answers are judged by.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.compiled import kernel
+
+
+@kernel
+def least_distances(
+    knots: FloatArray,
+    offsets: IntArray,
+    leaves: FloatArray,
+    wanted: BoolArray,
+    pairs: IntArray,
+    distance: FloatArray,
+    instant: FloatArray,
+) -> int:
+    """Fill one row a wanted pair (a < b) and return their number.
+
+    Args:
+        knots: (M, 3) x, y [m], t [s]; agent a owns rows ``offsets[a]:offsets[a + 1]``.
+        leaves: (A,) until when each agent is present, at or after its last knot; it stands still
+            after the last knot.
+        wanted: (A, A).
+        pairs, distance, instant: (P, 2), (P,) m, (P,) s of the least distance; the distance is inf
+            for pairs never present together.
+    """
+    count = 0
+    for a in range(len(leaves)):
+        for b in range(a + 1, len(leaves)):
+            if not wanted[a, b]:
+                continue
+            best, when = _least_distance(
+                knots[offsets[a] : offsets[a + 1]],
+                knots[offsets[b] : offsets[b + 1]],
+                leaves[a],
+                leaves[b],
+            )
+            pairs[count, 0] = a
+            pairs[count, 1] = b
+            distance[count] = best
+            instant[count] = when
+            count += 1
+    return count
+
+
+@kernel
+def _least_distance(
+    first: FloatArray, second: FloatArray, first_leaves: float, second_leaves: float
+) -> tuple[float, float]:
+    begin = max(first[0, 2], second[0, 2])
+    end = min(first_leaves, second_leaves)
+    best = np.inf
+    when = begin
+    if end < begin:
+        return best, when
+    i = 0
+    j = 0
+    now = begin
+    while True:
+        while i < len(first) - 1 and first[i + 1, 2] <= now:
+            i += 1
+        while j < len(second) - 1 and second[j + 1, 2] <= now:
+            j += 1
+        until = end
+        if i < len(first) - 1:
+            until = min(until, first[i + 1, 2])
+        if j < len(second) - 1:
+            until = min(until, second[j + 1, 2])
+        ax, ay = _position(first, i, now)
+        bx, by = _position(second, j, now)
+        cx, cy = _position(first, i, until)
+        dx, dy = _position(second, j, until)
+        # The relative position runs from (x, y) along (ux, uy) as the fraction goes from 0 to 1.
+        x, y = ax - bx, ay - by
+        ux, uy = cx - dx - x, cy - dy - y
+        squared = ux * ux + uy * uy
+        fraction = 0.0
+        if squared > 0.0:
+            fraction = min(max(-(x * ux + y * uy) / squared, 0.0), 1.0)
+        gap = np.hypot(x + fraction * ux, y + fraction * uy)
+        if gap < best:
+            best = gap
+            when = now + fraction * (until - now)
+        if until >= end:
+            return best, when
+        now = until
+
+
+@kernel
+def _position(curve: FloatArray, segment: int, time: float) -> tuple[float, float]:
+    """Where an agent is at `time` s, on or after knot `segment`; at rest after its last knot."""
+    if segment >= len(curve) - 1:
+        return curve[-1, 0], curve[-1, 1]
+    span = curve[segment + 1, 2] - curve[segment, 2]
+    part = (time - curve[segment, 2]) / span
+    return (
+        curve[segment, 0] + part * (curve[segment + 1, 0] - curve[segment, 0]),
+        curve[segment, 1] + part * (curve[segment + 1, 1] - curve[segment, 1]),
+    )

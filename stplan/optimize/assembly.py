@@ -1,0 +1,171 @@
+"""From a scene and its seed to the terms and limits of a nonlinear program."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stplan.arrays import FloatArray
+from stplan.costs.acceleration import Acceleration
+from stplan.costs.arrival import Arrival
+from stplan.costs.collision import Collision
+from stplan.costs.grouping import Grouping
+from stplan.costs.kinetic import Kinetic
+from stplan.costs.regularity import Regularity
+from stplan.costs.rods import Rods
+from stplan.costs.term import Term
+from stplan.costs.wall import Wall
+from stplan.optimize.problem import Limits, Problem, Stopwatch
+from stplan.optimize.scales import Scales
+from stplan.scene.interactions import Interactions
+from stplan.scene.model import Scene
+from stplan.world import FreeSpace
+from stplan.world_lines import KnotLayout
+
+# A waypoint is the knot of the seed nearest to it, which must lie this close (m).
+WAYPOINT_TOLERANCE = 1e-9
+# Smallest duration of a segment over the mean one; and over the seed's own, where that is shorter.
+LEAST_DURATION_SHARE = 1e-3
+SEED_DURATION_SHARE = 0.1
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Everything about a scene that stays the same while mu shrinks.
+
+    Attributes:
+        padding: relative enlargement of all distances, so that what is left at the end is positive
+            for any reader's rounding; small enough for the seed to stay feasible.
+    """
+
+    scene: Scene
+    free_space: FreeSpace | None
+    interactions: Interactions
+    layout: KnotLayout
+    scales: Scales
+    limits: Limits
+    padding: float
+
+
+def build_limits(scene: Scene, layout: KnotLayout, seed: FloatArray) -> Limits:
+    """Bounds around `seed` (M, 3): fixed starts, goals, waypoints and paths; latest arrivals."""
+    lower = np.full(seed.shape, -2e19)
+    upper = np.full(seed.shape, 2e19)
+    for a, agent in enumerate(scene.agents):
+        first, last = layout.first[a], layout.last[a]
+        own = slice(first, last + 1)
+        if agent.path is not None:
+            lower[own] = upper[own] = seed[own]
+            continue
+        lower[first] = upper[first] = seed[first]
+        lower[last, :2] = upper[last, :2] = seed[last, :2]
+        upper[last, 2] = agent.max_time
+        for knot in waypoint_knots(seed[own], agent.waypoints):
+            lower[first + knot, :2] = upper[first + knot, :2] = seed[first + knot, :2]
+    step = seed[layout.segment + 1, 2] - seed[layout.segment, 2]
+    mean = ((seed[layout.last, 2] - seed[layout.first, 2]) / layout.num_segments)[
+        layout.agent_of_segment
+    ]
+    return Limits(
+        lower, upper, np.minimum(LEAST_DURATION_SHARE * mean, SEED_DURATION_SHARE * step)
+    )
+
+
+def waypoint_knots(curve: FloatArray, waypoints: tuple[tuple[float, float], ...]) -> list[int]:
+    """Index of the knot that passes each waypoint, in order; `curve` is (n + 1, 3)."""
+    found: list[int] = []
+    at = 0
+    for waypoint in waypoints:
+        distance = np.hypot(*(curve[at:, :2] - waypoint).T)
+        close = np.flatnonzero(distance <= WAYPOINT_TOLERANCE)
+        at += int(close[0] if len(close) else distance.argmin())
+        found.append(at)
+    return found
+
+
+class Assembly:
+    """Builds problems for a setting, keeping alphas from one to the next."""
+
+    def __init__(self, setting: Setting) -> None:
+        self._setting = setting
+        self._pair_alphas: FloatArray | None = None
+        self._wall_alphas: FloatArray | None = None
+
+    def problem(self, knots: FloatArray, mu: float, watch: Stopwatch) -> Problem:
+        """The program at barrier weight `mu`, its structure made around feasible `knots` (M, 3)."""
+        setting = self._setting
+        exact = setting.scene.solver.hessian == "exact"
+        terms = [*self.own_terms(), *self.interaction_terms(knots, mu)]
+        return Problem(setting.layout, terms, setting.limits, exact, watch)
+
+    def own_terms(self) -> list[Term]:
+        """The costs of single agents."""
+        setting = self._setting
+        agents = setting.scene.agents
+        layout = setting.layout
+
+        def weights(name: str) -> FloatArray:
+            return np.array([getattr(agent.weights, name) for agent in agents], dtype=np.float64)
+
+        terms: list[Term] = [
+            Kinetic(layout, weights("kinetic"), np.array([agent.mass for agent in agents])),
+            Regularity(
+                layout, setting.scales.regularity, np.array([agent.start_time for agent in agents])
+            ),
+        ]
+        if weights("acceleration").any():
+            terms.append(Acceleration(layout, weights("acceleration"), setting.scene.time_scale))
+        if weights("arrival").any():
+            preferred = [agent.preferred_time or 0.0 for agent in agents]
+            terms.append(Arrival(layout, weights("arrival"), np.array(preferred)))
+        return terms
+
+    def rods(self, knots: FloatArray) -> Rods:
+        """Segments and tails of the scene's rods."""
+        scene = self._setting.scene
+        stays = [a for a, agent in enumerate(scene.agents) if agent.after_arrival == "stay"]
+        return Rods.build(
+            self._setting.layout,
+            knots,
+            np.array(stays, dtype=np.int64),
+            scene.final_time,
+            scene.time_scale,
+        )
+
+    def interaction_terms(self, knots: FloatArray, mu: float) -> list[Term]:
+        """The costs of pairs and walls."""
+        setting = self._setting
+        solver = setting.scene.solver
+        alpha_0 = solver.alpha if solver.clearance_model == "smooth-minimum" else None
+        exact = solver.hessian == "exact"
+        rods = self.rods(knots)
+        terms: list[Term] = []
+        if setting.interactions.collides.any():
+            padded = replace(
+                setting.interactions,
+                distance=setting.interactions.distance * (1 + setting.padding),
+            )
+            collision = Collision(
+                knots, rods, padded, mu, setting.scales.pair_reach,
+                alpha_0=alpha_0, exact=exact, alphas=self._pair_alphas,
+            )  # fmt: skip
+            self._pair_alphas = collision.alphas
+            terms.append(collision)
+        walls = np.array([agent.weights.wall for agent in setting.scene.agents])
+        # Agents whose path is given move as told: their walls are theirs.
+        walls[[agent.path is not None for agent in setting.scene.agents]] = 0.0
+        if setting.free_space is not None and walls.any():
+            radii = np.array([agent.radius for agent in setting.scene.agents])
+            wall = Wall(
+                knots, setting.layout, setting.free_space.boundary_vertices,
+                setting.free_space.boundary_edges, radii * (1 + setting.padding), walls, mu,
+                setting.scales.wall_reach, alpha_0=alpha_0, exact=exact, alphas=self._wall_alphas,
+            )  # fmt: skip
+            self._wall_alphas = wall.alphas
+            terms.append(wall)
+        if setting.interactions.grouping.any():
+            terms.append(
+                Grouping(knots, rods, setting.interactions, solver.alpha, exact=exact)
+            )
+        return terms

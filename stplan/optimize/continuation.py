@@ -1,0 +1,270 @@
+"""The outer loop of the paper's algorithm: minimise, shrink mu by its decay, minimise again.
+
+Every iterate of every run is feasible, so stopping at any moment leaves a valid plan. A run is cut short
+and rebuilt (warm) when an interaction is felt that its sparsity structure has no room for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from stplan.arrays import FloatArray
+from stplan.costs.contact_term import ContactTerm
+from stplan.optimize.assembly import Assembly, Setting, build_limits
+from stplan.optimize.ipopt import FAILURES, IpoptResult, Iteration, Multipliers, solve
+from stplan.optimize.problem import Problem, Stopwatch
+from stplan.optimize.scales import derive_scales
+from stplan.scene.interactions import scene_interactions
+from stplan.scene.model import Scene
+from stplan.world import FreeSpace
+from stplan.world_lines import KnotLayout, WorldLines
+
+# A stale structure is rebuilt after at least this many iterations.
+REBUILD_EVERY = 4
+# Relative padding of all distances; halved clearance of the seed where that is less.
+PADDING = 1e-4
+# The objective's relative fall over this many iterations below the tolerance's share ends a run.
+STALL_WINDOW = 4
+STALL_SHARE = 1e-2
+
+
+@dataclass
+class Optimisation:
+    """The optimised curves and how they were reached.
+
+    Attributes:
+        status: "converged", "limit" (iterations used up), "interrupted" or "failed".
+        record: one entry an outer iteration, repeatable (no times).
+        watch: seconds, for the run record only.
+    """
+
+    world_lines: WorldLines
+    status: str
+    record: list[dict[str, Any]]
+    costs: dict[str, float]
+    regularity: FloatArray
+    watch: Stopwatch = field(default_factory=Stopwatch)
+    iterations: int = 0
+    nonzeros: int = 0
+
+
+class _Stop:
+    """Decides after every iteration whether this run of Ipopt is over, and remembers why."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        problem: Problem,
+        energy: float,
+        floor: float,
+        interrupted: Callable[[], bool],
+    ) -> None:
+        self._solver = scene.solver
+        self._problem = problem
+        self._energy = energy
+        self._floor = floor
+        self._interrupted = interrupted
+        self._values: list[float] = []
+        self.why = ""
+
+    def __call__(self, iteration: Iteration) -> bool:
+        self._values.append(iteration.objective)
+        self.why = self._reason(iteration)
+        return bool(self.why)
+
+    def _reason(self, iteration: Iteration) -> str:
+        if self._interrupted():
+            return "interrupted"
+        if iteration.number >= REBUILD_EVERY and self._problem.is_stale():
+            return "stale"
+        if iteration.number < 1:
+            return ""
+        if iteration.step <= self._solver.step_tolerance * self._step_unit():
+            return "converged"
+        if len(self._values) > STALL_WINDOW:
+            fall = self._values[-1 - STALL_WINDOW] - self._values[-1]
+            scale = max(abs(self._values[-1] - self._floor), 1e-12)
+            if fall <= STALL_SHARE * self._solver.optimality_tolerance * scale:
+                return "converged"
+        return ""
+
+    def _step_unit(self) -> float:
+        return 1.0
+
+
+def optimise(
+    scene: Scene,
+    free_space: FreeSpace | None,
+    seed: WorldLines,
+    *,
+    progress: Callable[[str], None],
+    interrupted: Callable[[], bool],
+) -> Optimisation:
+    """Make `seed` smooth and cheap by the paper's outer loop.
+
+    Args:
+        progress: called with one line an outer iteration.
+        interrupted: asked after every iteration; True ends with the best feasible curves.
+    """
+    layout = KnotLayout.from_offsets(seed.offsets)
+    interactions = scene_interactions(scene)
+    setting = Setting(
+        scene=scene,
+        free_space=free_space,
+        interactions=interactions,
+        layout=layout,
+        scales=derive_scales(scene, interactions, layout, seed.knots),
+        limits=build_limits(scene, layout, seed.knots),
+        padding=0.0,
+    )
+    setting = _padded(setting, seed.knots)
+    loop = _Loop(setting, seed.knots, progress, interrupted)
+    loop.run()
+    return loop.result(seed)
+
+
+def _padded(setting: Setting, knots: FloatArray) -> Setting:
+    """The setting with as much padding as the seed's clearance allows."""
+    from dataclasses import replace
+
+    terms = Assembly(setting).interaction_terms(knots, 0.0)
+    least = min(
+        (term.least_clearance(knots) for term in terms if isinstance(term, ContactTerm)),
+        default=np.inf,
+    )
+    widest = max(
+        float(setting.interactions.distance.max()),
+        max(agent.radius for agent in setting.scene.agents),
+    )
+    return replace(setting, padding=float(min(PADDING, 0.5 * max(least, 0.0) / widest)))
+
+
+class _Loop:
+    def __init__(
+        self,
+        setting: Setting,
+        knots: FloatArray,
+        progress: Callable[[str], None],
+        interrupted: Callable[[], bool],
+    ) -> None:
+        self._setting = setting
+        self._assembly = Assembly(setting)
+        self._knots = knots
+        self._progress = progress
+        self._interrupted = interrupted
+        self._watch = Stopwatch()
+        self._record: list[dict[str, Any]] = []
+        self._status = "converged"
+        self._iterations = 0
+        self._nonzeros = 0
+        # What the regularity term costs at its best: no part of the objective worth converging.
+        self._floor = float((setting.scales.regularity * setting.layout.num_segments).sum())
+        self._ipopt_mu: float | None = None
+
+    def run(self) -> None:
+        """All outer iterations, or until one is interrupted or fails."""
+        solver = self._setting.scene.solver
+        mu = self._setting.scales.mu
+        for outer in range(solver.outer_iterations):
+            self._outer_iteration(outer, mu)
+            if self._status in ("interrupted", "failed"):
+                return
+            mu *= solver.mu_decay
+
+    def _outer_iteration(self, outer: int, mu: float) -> None:
+        solver = self._setting.scene.solver
+        left = solver.max_iterations
+        multipliers: Multipliers | None = None
+        ipopt_mu: float | None = None
+        used = rebuilds = 0
+        before: float | None = None
+        while True:
+            problem = self._assembly.problem(self._knots, mu, self._watch)
+            self._nonzeros = max(self._nonzeros, len(problem.hessian_rows))
+            if before is None:
+                before = problem.value(self._knots.ravel())
+            stop = _Stop(
+                self._setting.scene, problem, self._setting.scales.energy, self._floor,
+                self._interrupted,
+            )  # fmt: skip
+            outcome = self._solve(problem, left, stop, multipliers, ipopt_mu)
+            self._knots = outcome.knots
+            used += outcome.iterations
+            left = solver.max_iterations - used
+            if stop.why != "stale" or left <= 0:
+                break
+            multipliers = outcome.multipliers
+            ipopt_mu = outcome.ipopt_mu
+            rebuilds += 1
+        self._iterations += used
+        after = problem.value(self._knots.ravel())
+        self._status = self._judge(outcome, stop.why, before, after)
+        least = min(
+            (t.least_clearance(self._knots) for t in problem.terms if isinstance(t, ContactTerm)),
+            default=float("inf"),
+        )
+        self._record.append(
+            {
+                "outer_iteration": outer + 1,
+                "mu": mu,
+                "iterations": used,
+                "rebuilds": rebuilds,
+                "objective": after,
+                "clearance": least,
+                "status": self._status,
+            }
+        )
+        self._progress(
+            f"outer {outer + 1}/{solver.outer_iterations}  mu {mu:.3g}  objective {after:.6g}  "
+            f"rod clearance {least:.3g} m  {used} iterations  {self._status}"
+        )
+
+    def _solve(
+        self,
+        problem: Problem,
+        left: int,
+        stop: _Stop,
+        multipliers: Multipliers | None,
+        ipopt_mu: float | None,
+    ) -> IpoptResult:
+        solver = self._setting.scene.solver
+        return solve(
+            problem,
+            self._knots,
+            max_iterations=left,
+            linear_solver=solver.linear_solver,
+            objective_scale=1.0 / self._setting.scales.energy,
+            limited_memory=solver.hessian == "limited-memory",
+            options=solver.ipopt,
+            stop=stop,
+            multipliers=multipliers,
+            ipopt_mu=ipopt_mu,
+        )
+
+    def _judge(self, outcome: IpoptResult, why: str, before: float, after: float) -> str:
+        if why == "interrupted":
+            return "interrupted"
+        if why == "converged" or outcome.status in (0, 1):
+            return "converged"
+        if outcome.status in FAILURES and after > before - 1e-9 * abs(before) and before == after:
+            return "failed"
+        return "limit"
+
+    def result(self, seed: WorldLines) -> Optimisation:
+        """What was reached, with the cost of every term."""
+        problem = self._assembly.problem(self._knots, self._setting.scales.mu, Stopwatch())
+        costs = {term.name: term.value(self._knots) for term in problem.terms}
+        return Optimisation(
+            world_lines=seed.with_knots(self._knots),
+            status=self._status,
+            record=self._record,
+            costs=costs,
+            regularity=self._setting.scales.regularity,
+            watch=self._watch,
+            iterations=self._iterations,
+            nonzeros=self._nonzeros,
+        )

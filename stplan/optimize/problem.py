@@ -1,0 +1,154 @@
+"""The nonlinear program: terms are summed, their Hessians scattered into one structure.
+
+Variables are the flat knots, x[3 i + axis]. Start, goal, waypoints and given paths are fixed by equal
+bounds, T^max is a bound, and t_{i+1} - t_i >= gap are linear constraints with a constant Jacobian.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.costs.term import Term
+from stplan.world_lines import KnotLayout
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a plan must keep whatever it costs.
+
+    Attributes:
+        lower, upper: (M, 3) bounds of the knots, equal where a variable is fixed.
+        least_duration: (S,) smallest t_{i+1} - t_i of every segment, s.
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+    least_duration: FloatArray
+
+
+@dataclass
+class Stopwatch:
+    """Seconds spent in evaluations; never part of a repeatable file."""
+
+    objective: float = 0.0
+    hessian: float = 0.0
+    evaluations: int = 0
+    refused: int = 0
+    hessians: int = 0
+
+
+@dataclass
+class Problem:
+    """Sum of terms over one layout of knots.
+
+    Args:
+        layout: knots and agents.
+        terms: what is summed.
+        limits: bounds and least durations.
+        exact: use every term's exact Hessian instead of its Gauss-Newton one.
+    """
+
+    layout: KnotLayout
+    terms: Sequence[Term]
+    limits: Limits
+    exact: bool = False
+    watch: Stopwatch = field(default_factory=Stopwatch)
+
+    def __post_init__(self) -> None:
+        structures = [term.hessian_structure() for term in self.terms]
+        rows = np.concatenate([rows for rows, _ in structures])
+        columns = np.concatenate([columns for _, columns in structures])
+        codes = rows * self.num_variables + columns
+        unique, self._place = np.unique(codes, return_inverse=True)
+        self.hessian_rows = unique // self.num_variables
+        self.hessian_columns = unique % self.num_variables
+        self._key: bytes | None = None
+
+    @property
+    def num_variables(self) -> int:
+        """3 M."""
+        return 3 * self.layout.num_knots
+
+    def value(self, x: FloatArray) -> float:
+        """The objective at flat knots x (3 M,), inf where it is undefined."""
+        self._evaluate(x)
+        return self._value
+
+    def gradient(self, x: FloatArray) -> FloatArray:
+        """(3 M,) derivative of `value`."""
+        self._evaluate(x)
+        started = time.perf_counter()
+        if self._gradient is None:
+            knots = x.reshape(-1, 3)
+            self._gradient = np.sum([term.gradient(knots) for term in self.terms], axis=0).ravel()
+        self.watch.objective += time.perf_counter() - started
+        return self._gradient
+
+    def _evaluate(self, x: FloatArray) -> None:
+        key = x.tobytes()
+        if key == self._key:
+            return
+        started = time.perf_counter()
+        self._key = key
+        self._gradient: FloatArray | None = None
+        self.watch.evaluations += 1
+        self._value = np.inf
+        knots = x.reshape(-1, 3)
+        if self._admissible(knots):
+            total = 0.0
+            for term in self.terms:
+                total += term.value(knots)
+                if not np.isfinite(total):
+                    break
+            self._value = total if np.isfinite(total) else np.inf
+        if not np.isfinite(self._value):
+            self.watch.refused += 1
+        self.watch.objective += time.perf_counter() - started
+
+    def _admissible(self, knots: FloatArray) -> bool:
+        """Finite, with time running on: asked before any term may divide by a duration."""
+        start = self.layout.segment
+        return bool(
+            np.isfinite(knots).all() and (knots[start + 1, 2] > knots[start, 2]).all()
+        )
+
+    def hessian(self, x: FloatArray) -> FloatArray:
+        """Lower triangle in the order of `hessian_rows`, `hessian_columns`."""
+        started = time.perf_counter()
+        knots = x.reshape(-1, 3)
+        values = np.concatenate(
+            [
+                term.hessian(knots) if self.exact else term.gauss_newton_hessian(knots)
+                for term in self.terms
+            ]
+        )
+        summed = np.bincount(self._place, values, len(self.hessian_rows))
+        self.watch.hessian += time.perf_counter() - started
+        self.watch.hessians += 1
+        return summed
+
+    def durations(self, x: FloatArray) -> FloatArray:
+        """(S,) t_{i+1} - t_i of every segment, s."""
+        start = self.layout.segment
+        knots = x.reshape(-1, 3)
+        return knots[start + 1, 2] - knots[start, 2]
+
+    def durations_jacobian(self) -> tuple[IntArray, IntArray, FloatArray]:
+        """Rows, columns and (constant) values of the Jacobian of `durations`."""
+        start = self.layout.segment
+        rows = np.repeat(np.arange(len(start)), 2)
+        columns = np.column_stack([3 * start + 2, 3 * start + 5]).ravel()
+        return rows, columns, np.tile([-1.0, 1.0], len(start))
+
+    def is_stale(self) -> bool:
+        """Whether a felt interaction has no room in the Hessian's structure."""
+        for term in self.terms:
+            missing: BoolArray | None = term.stale()
+            if missing is not None and missing.any():
+                return True
+        return False

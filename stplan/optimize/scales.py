@@ -1,0 +1,76 @@
+"""Scales of a scene: barrier weight, regularity weight and barrier range from the seed's own cost.
+
+An absolute mu or K^R would swamp cheap agents and drown in dear ones. With E the mean kinetic cost of the
+seed's agents, mu starts at a thousandth of E, and K^R_a makes the least regularity cost K^R n a
+hundredth of the agent's own kinetic cost.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stplan.arrays import FloatArray
+from stplan.costs.kinetic import Kinetic
+from stplan.scene.interactions import Interactions
+from stplan.scene.model import Scene
+from stplan.world_lines import KnotLayout
+
+# mu of the first outer iteration over E.
+MU_SHARE = 1e-3
+# K^R n over the agent's kinetic cost.
+REGULARITY_SHARE = 1e-2
+# Barrier range over the distance R_ab of a pair, and over the radius at walls.
+RANGE_SHARE = 0.5
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Weights derived from a seed.
+
+    Attributes:
+        energy: E, mean kinetic cost per agent, the unit of the objective.
+        mu: barrier weight of the first outer iteration.
+        regularity: (A,) K^R.
+        pair_reach: (A, A) m, clearance at which repulsion starts.
+        wall_reach: (A,) m.
+    """
+
+    energy: float
+    mu: float
+    regularity: FloatArray
+    pair_reach: FloatArray
+    wall_reach: FloatArray
+
+
+def derive_scales(
+    scene: Scene, interactions: Interactions, layout: KnotLayout, knots: FloatArray
+) -> Scales:
+    """Scales for `scene` from its seed `knots` (M, 3)."""
+    weights = np.array([agent.weights.kinetic for agent in scene.agents])
+    masses = np.array([agent.mass for agent in scene.agents])
+    own = Kinetic(layout, weights, masses).per_agent(knots)
+    energy = float(own.mean())
+    if energy <= 0.0:
+        energy = 1.0
+    # An agent that need not move still gets a regularity of the scene's scale.
+    typical = np.where(own > 1e-3 * energy, own, energy)
+    automatic = REGULARITY_SHARE * typical / layout.num_segments
+    regularity = np.array(
+        [
+            automatic[a] if agent.weights.regularity is None else agent.weights.regularity
+            for a, agent in enumerate(scene.agents)
+        ]
+    )
+    radii = np.array([agent.radius for agent in scene.agents])
+    given = scene.solver.barrier_range
+    return Scales(
+        energy=energy,
+        mu=MU_SHARE * energy if scene.solver.mu is None else scene.solver.mu,
+        regularity=regularity,
+        pair_reach=RANGE_SHARE * interactions.distance
+        if given is None
+        else np.full_like(interactions.distance, given),
+        wall_reach=RANGE_SHARE * 2 * radii if given is None else np.full_like(radii, given),
+    )

@@ -1,0 +1,262 @@
+"""The whole story: scene -> free space -> seed -> optimise -> certify -> write."""
+
+from __future__ import annotations
+
+import platform
+import resource
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+from stplan.certify.certificate import Certificate, certify
+from stplan.certify.metrics import metrics
+from stplan.errors import SceneError, SeedingError
+from stplan.files.json_file import json_bytes
+from stplan.files.trajectories import write_files
+from stplan.optimize.continuation import Optimisation, optimise
+from stplan.optimize.ipopt import versions as ipopt_versions
+from stplan.scene.model import Scene
+from stplan.seeding.portfolio import Seed, find_seed
+from stplan.world import FreeSpace, build_free_space, check_scene_in_world
+from stplan.world_lines import WorldLines
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A planned (or only seeded) scene.
+
+    Attributes:
+        seed: the initial curves.
+        trajectories: the optimised curves, None where only a seed was asked for.
+        certificate: of the trajectories, or of the seed.
+        report: what report.json holds, repeatable.
+        run: what run.json holds, different every time.
+        status: "converged", "limit", "interrupted", "failed" or "seeded".
+        advice: a sentence on what the status means, empty where all is well.
+        exit_status: the command's.
+    """
+
+    scene: Scene
+    seed: WorldLines
+    trajectories: WorldLines | None
+    certificate: Certificate
+    report: dict[str, Any]
+    run: dict[str, Any]
+    status: str
+    advice: str
+    exit_status: int
+
+
+_ADVICE = {
+    "converged": "",
+    "seeded": "",
+    "limit": "the last outer iteration used all its iterations and was still improving; "
+    "raise solver.max_iterations to go on",
+    "interrupted": "interrupted: these are the best feasible trajectories so far",
+    "failed": "the optimiser could not improve the seed; the trajectories are the best feasible ones",
+    "broken": "the optimised curves do not hold their certificate, so the seed is given instead",
+}
+_EXIT = {"converged": 0, "seeded": 0, "limit": 0, "interrupted": 130, "failed": 4, "broken": 4}
+
+
+def plan(scene: Scene, *, progress: Progress | None = None) -> Plan:
+    """Plan `scene`: find a seed, optimise it, certify the result.
+
+    Interrupted (SIGINT, SIGTERM) while optimising, it returns the best feasible curves so far.
+
+    Raises:
+        SceneError: the scene does not fit its map.
+        SeedingError: no collision-free initial curves were found.
+        KeyboardInterrupt: interrupted before there were any.
+    """
+    say = progress or (lambda line: None)
+    clock = _Clock()
+    free_space, seed, seed_certificate = _seeded(scene, say, clock)
+    with _interruptible() as interrupted:
+        outcome = optimise(
+            scene, free_space, seed.world_lines, progress=say, interrupted=interrupted
+        )
+    clock.lap("optimise")
+    certificate = certify(scene, free_space, outcome.world_lines)
+    clock.lap("certify")
+    lines, status = outcome.world_lines, outcome.status
+    if not certificate.holds:
+        lines, certificate, status = seed.world_lines, seed_certificate, "broken"
+    report = _report(scene, seed, seed_certificate, certificate, lines, status)
+    report["costs"] = outcome.costs
+    report["outer_iterations"] = outcome.record
+    run = _run(clock) | {"optimisation": _optimisation_times(outcome, clock)}
+    return Plan(
+        scene, seed.world_lines, lines, certificate, report, run, status, _ADVICE[status],
+        _EXIT[status],
+    )  # fmt: skip
+
+
+def seed(scene: Scene, *, progress: Progress | None = None) -> Plan:
+    """Only the initial curves of `scene`, certified. Raises like `plan`."""
+    clock = _Clock()
+    _, found, certificate = _seeded(scene, progress or (lambda line: None), clock)
+    report = _report(scene, found, certificate, certificate, found.world_lines, "seeded")
+    return Plan(
+        scene, found.world_lines, None, certificate, report, _run(clock), "seeded", "", 0
+    )
+
+
+def validate(scene: Scene) -> None:
+    """Check a scene against its map without solving it; raises SceneError with every fault."""
+    _world(scene)
+
+
+def check(scene: Scene, lines: WorldLines) -> Certificate:
+    """The certificate of any trajectories against `scene`. Raises SceneError for a bad map."""
+    return certify(scene, build_free_space(scene), lines)
+
+
+def write_plan(result: Plan, folder: Path) -> list[Path]:
+    """Write a plan's files into `folder` (made if needed) and return their paths."""
+    files = {"seed": result.seed}
+    if result.trajectories is not None:
+        files["trajectories"] = result.trajectories
+    extra = {"report.json": json_bytes(result.report), "run.json": json_bytes(result.run)}
+    return write_files(folder, result.scene, files, extra)
+
+
+def _world(scene: Scene) -> FreeSpace | None:
+    free_space = build_free_space(scene)
+    faults = check_scene_in_world(scene, free_space)
+    if faults:
+        raise SceneError(faults)
+    return free_space
+
+
+def _seeded(
+    scene: Scene, say: Progress, clock: _Clock
+) -> tuple[FreeSpace | None, Seed, Certificate]:
+    free_space = _world(scene)
+    clock.lap("world")
+    found = find_seed(scene, free_space, progress=say)
+    clock.lap("seed")
+    certificate = certify(scene, free_space, found.world_lines)
+    clock.lap("certify")
+    if not certificate.holds:
+        raise SeedingError(
+            "the initial curves found do not hold their certificate: " + certificate.violations[0]
+        )
+    return free_space, found, certificate
+
+
+def _report(
+    scene: Scene,
+    seed: Seed,
+    seed_certificate: Certificate,
+    certificate: Certificate,
+    lines: WorldLines,
+    status: str,
+) -> dict[str, Any]:
+    tightest = seed_certificate.smallest
+    return {
+        "format": 1,
+        "status": status,
+        "advice": _ADVICE[status],
+        "scene": {
+            "name": scene.name,
+            "source": None if scene.source is None else str(scene.source),
+            "hash": scene.content_hash,
+        },
+        "versions": versions(),
+        "certificate": certificate.as_dict(),
+        "metrics": metrics(scene, lines),
+        "seed": {
+            "found_by": seed.found_by,
+            "record": seed.record,
+            "smallest_clearance": None if tightest is None else tightest.clearance,
+            "metrics": metrics(scene, seed.world_lines),
+        },
+    }
+
+
+def versions() -> dict[str, str]:
+    """Versions of this program and of what its results depend on."""
+    names = ("stplan", "numpy", "scipy", "numba", "shapely", "trimesh")
+    return {name: metadata.version(name) for name in names} | ipopt_versions()
+
+
+class _Clock:
+    """Seconds a stage of the pipeline took, added up by name."""
+
+    def __init__(self) -> None:
+        self.started = datetime.now(UTC)
+        self._begin = self._last = time.perf_counter()
+        self.laps: dict[str, float] = {}
+
+    def lap(self, name: str) -> None:
+        now = time.perf_counter()
+        self.laps[name] = self.laps.get(name, 0.0) + now - self._last
+        self._last = now
+
+    @property
+    def total(self) -> float:
+        return self._last - self._begin
+
+
+def _run(clock: _Clock) -> dict[str, Any]:
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return {
+        "started": clock.started.isoformat(),
+        "seconds": {**clock.laps, "total": clock.total},
+        "host": platform.node(),
+        "platform": platform.platform(),
+        "python": platform.python_version(),
+        "peak_memory_mib": round(peak / 1024, 1),
+    }
+
+
+def _optimisation_times(outcome: Optimisation, clock: _Clock) -> dict[str, Any]:
+    """How the optimiser's time splits into evaluation and the rest, nearly all linear algebra."""
+    whole = clock.laps["optimise"]
+    evaluation = outcome.watch.objective + outcome.watch.hessian
+    return {
+        "iterations": outcome.iterations,
+        "seconds_per_iteration": whole / max(outcome.iterations, 1),
+        "seconds": {
+            "objective_and_gradient": outcome.watch.objective,
+            "hessian": outcome.watch.hessian,
+            "evaluation": evaluation,
+            "linear_solve_and_rest": whole - evaluation,
+        },
+        "evaluations": outcome.watch.evaluations,
+        "refused_steps": outcome.watch.refused,
+        "hessian_nonzeros": outcome.nonzeros,
+    }
+
+
+@contextmanager
+def _interruptible() -> Iterator[Callable[[], bool]]:
+    """Within, the first SIGINT or SIGTERM asks politely; a second one interrupts at once."""
+    asked = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield asked.is_set
+        return
+
+    def ask(number: int, frame: FrameType | None) -> None:
+        del number, frame
+        if asked.is_set():
+            raise KeyboardInterrupt
+        asked.set()
+
+    before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield asked.is_set
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
