@@ -1,0 +1,61 @@
+"""A run's folder: which file is read, and how a whole run is written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from stplan.errors import UsageError
+from stplan.files.atomic import write_set
+from stplan.files.csv_file import csv_bytes, read_csv
+from stplan.files.npz_file import npz_bytes, read_npz
+from stplan.scene.model import Scene
+from stplan.world_lines import WorldLines
+
+
+def read_trajectories(path: Path) -> WorldLines:
+    """Read a .csv or .npz file, or the trajectories in a run's folder (there the .npz first).
+
+    Raises:
+        UsageError: there is no such file, or it is not well-formed.
+    """
+    path = Path(path)
+    if path.is_dir():
+        path = _in_folder(path)
+    if not path.exists():
+        raise UsageError(f"cannot read {path}: no such file")
+    suffix = path.suffix.lower()
+    if suffix == ".csv":
+        return read_csv(path)
+    if suffix == ".npz":
+        return read_npz(path).world_lines
+    raise UsageError(f"{path}: expected a .csv file, a .npz file or the folder of a run")
+
+
+def write_files(
+    folder: Path,
+    scene: Scene,
+    curves: Mapping[str, WorldLines],
+    extra: Mapping[str, bytes] | None = None,
+) -> list[Path]:
+    """Write every `NAME.csv` and `NAME.npz` of `curves`, then `extra` by file name.
+
+    All appear together or none does. Returns the paths.
+
+    Raises:
+        UsageError: the folder cannot be written.
+    """
+    contents: dict[str, bytes] = {}
+    for name, lines in curves.items():
+        contents[f"{name}.csv"] = csv_bytes(lines)
+        contents[f"{name}.npz"] = npz_bytes(lines, scene)
+    return write_set(folder, contents | dict(extra or {}))
+
+
+def _in_folder(folder: Path) -> Path:
+    for name in ("trajectories.npz", "trajectories.csv"):
+        if (folder / name).is_file():
+            return folder / name
+    seeds = [name for name in ("seed.npz", "seed.csv") if (folder / name).is_file()]
+    hint = f"; to read its initial curves, name {folder / seeds[0]}" if seeds else ""
+    raise UsageError(f"{folder}: holds no trajectories.npz or trajectories.csv{hint}")
