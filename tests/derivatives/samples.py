@@ -1,0 +1,75 @@
+"""One generic sample of every cost room: unequal masses and weights, both sides of every switch."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stplan.arrays import FloatArray
+from stplan.costs.acceleration import Acceleration
+from stplan.costs.arrival import Arrival
+from stplan.costs.collision import Collision
+from stplan.costs.grouping import Grouping
+from stplan.costs.kinetic import Kinetic
+from stplan.costs.regularity import Regularity
+from stplan.costs.rods import Rods
+from stplan.costs.term import Term
+from stplan.costs.wall import Wall
+from stplan.scene.interactions import Interactions
+from stplan.world_lines import KnotLayout
+
+OFFSETS = np.array([0, 6, 12, 19])
+LAYOUT = KnotLayout.from_offsets(OFFSETS)
+RADII = np.array([0.02, 0.03, 0.04])
+CORNERS = np.array(
+    [[-1, -1.2], [7, -1], [7.5, 3], [3, 2.9], [-1, 3.2], [2.9, 0.45], [3, 0.55], [3.2, 0.4]]
+)
+EDGES = np.array([[0, 1], [1, 2], [2, 3], [3, 4], [4, 0], [5, 6], [6, 7], [7, 5]])
+
+
+def sample_knots(rng_seed: int = 3) -> FloatArray:
+    """(19, 3) three agents that pass each other in a room with a pillar."""
+    rng = np.random.default_rng(rng_seed)
+    knots = np.zeros((LAYOUT.num_knots, 3))
+    for a in range(3):
+        own = slice(OFFSETS[a], OFFSETS[a + 1])
+        count = OFFSETS[a + 1] - OFFSETS[a]
+        along = np.linspace(0, 6, count)
+        knots[own, 0] = (along if a % 2 else 6 - along) + rng.normal(size=count) * 0.2
+        knots[own, 1] = a + rng.normal(size=count) * 0.1
+        knots[own, 2] = np.cumsum(rng.uniform(0.7, 1.3, count))
+    return knots
+
+
+def sample_interactions() -> Interactions:
+    """All collide at 0.5 m with unequal weights; agent 0 is grouped with both others."""
+    weight = np.array([[0, 1.2, 1.7], [1.2, 0, 0.9], [1.7, 0.9, 0]])
+    grouping = np.array([[0, 2.0, 0.5], [2.0, 0, 0], [0.5, 0, 0]])
+    return Interactions(~np.eye(3, dtype=bool), np.full((3, 3), 0.5), weight, grouping)
+
+
+def sample_terms(exact: bool = True) -> dict[str, Term]:
+    """Every room under a label, ready to be differentiated at `sample_knots()`."""
+    knots = sample_knots()
+    weights = np.array([2.0, 3.0, 0.7])
+    interactions = sample_interactions()
+    # One tail only: two upright tails have no unique closest points when their feet are moved.
+    rods = Rods.build(LAYOUT, knots, np.array([2]), 12.0, 1.3)
+    terms: dict[str, Term] = {
+        "kinetic": Kinetic(LAYOUT, weights, np.array([1.0, 5.0, 2.0])),
+        "acceleration": Acceleration(LAYOUT, np.array([2.0, 0.0, 0.7]), 1.7),
+        "arrival": Arrival(LAYOUT, weights, np.array([3.0, 4.0, 9.0])),
+        "regularity": Regularity(LAYOUT, weights, np.array([0.1, 0.2, 0.0])),
+        "grouping": Grouping(knots, rods, interactions, 3.0, exact=exact),
+    }
+    for reach in (1.5, np.inf):
+        for alpha_0 in (None, 8.0):
+            label = f"range {reach}, {'contacts' if alpha_0 is None else 'smooth minimum'}"
+            terms[f"collision, {label}"] = Collision(
+                knots, rods, interactions, 0.7, np.full((3, 3), reach),
+                alpha_0=alpha_0, exact=exact,
+            )  # fmt: skip
+            terms[f"wall, {label}"] = Wall(
+                knots, LAYOUT, CORNERS, EDGES, RADII, np.array([1.0, 0.0, 2.0]), 0.7,
+                np.full(3, reach), alpha_0=alpha_0, exact=exact,
+            )  # fmt: skip
+    return terms
