@@ -1,0 +1,249 @@
+"""The command line: arguments, help, signals, exit statuses. What the commands do is `commands`."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from pathlib import Path
+from types import FrameType
+from typing import Annotated
+
+import typer
+
+from stplan.commands import (
+    check_trajectories,
+    compare,
+    plan_scenes,
+    print_schema,
+    validate_scenes,
+)
+from stplan.errors import UsageError
+from stplan.reporting import Console, failure, write
+
+_EXIT_STATUSES = """\b
+Exit status:
+  0    done, and every trajectory written holds its certificate
+  1    diff found a difference; check found a violation
+  2    the command line or a scene is wrong
+  3    no collision-free initial curves were found
+  4    the solver failed; the best feasible trajectories were still written
+  5    internal error
+  130  interrupted; the best feasible trajectories so far were written"""
+
+app = typer.Typer(
+    name="stplan",
+    help="Plan collision-free space-time trajectories for many unequal agents in tight spaces.",
+    epilog=_EXIT_STATUSES,
+    no_args_is_help=True,
+    add_completion=False,
+    # Plain help and errors: they are read in logs and through pipes as often as in a terminal.
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+ScenePaths = Annotated[list[Path], typer.Argument(metavar="SCENE", help="Scene files (YAML).")]
+Output = Annotated[
+    Path,
+    typer.Option("--output", "-o", metavar="DIR", help="Results go to DIR/NAME/."),
+]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="KEY=VALUE", help="Override a value of the scene; may be repeated."
+    ),
+]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")]
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say more.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and leave with its exit status."""
+    signal.signal(signal.SIGTERM, _interrupt)
+    for stream in (sys.stdout, sys.stderr):
+        # A terminal that lacks a letter of some agent's name shows its code.
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
+    app(args=None if arguments is None else list(arguments), prog_name="stplan")
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        write(sys.stdout, f"stplan {version('stplan')}\n")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", help="Print the version.", callback=_print_version, is_eager=True
+        ),
+    ] = False,
+) -> None:
+    del version
+
+
+@app.command()
+def solve(
+    scenes: ScenePaths,
+    *,
+    output: Output = Path("outputs"),
+    overrides: Overrides = None,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    as_json: Json = False,
+) -> None:
+    """Plan scenes; write their trajectories and a report.
+
+    Of several scenes each is planned; the exit status is the worst of them, in the order
+    5, 130, 2, 3, 4, 0.
+
+    \b
+    Examples:
+      stplan solve scenes/bottleneck/bottleneck.yaml
+      stplan solve scene.yaml -o results --set solver.outer_iterations=8
+      stplan solve scenes/*/*.yaml --quiet
+    """
+    _serve(
+        quiet, verbose, as_json,
+        lambda console: plan_scenes(console, scenes, output, overrides or [], seed_only=False),
+    )  # fmt: skip
+
+
+@app.command()
+def seed(
+    scenes: ScenePaths,
+    *,
+    output: Output = Path("outputs"),
+    overrides: Overrides = None,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    as_json: Json = False,
+) -> None:
+    """Find only the initial curves.
+
+    Writes seed.csv and seed.npz.
+
+    \b
+    Example:
+      stplan seed scenes/bottleneck/bottleneck.yaml --set seeding.rng_seed=3
+    """
+    _serve(
+        quiet, verbose, as_json,
+        lambda console: plan_scenes(console, scenes, output, overrides or [], seed_only=True),
+    )  # fmt: skip
+
+
+@app.command()
+def check(
+    run_or_scene: Annotated[
+        Path, typer.Argument(metavar="RUN_OR_SCENE", help="Folder of a run, or a scene file.")
+    ],
+    trajectories: Annotated[
+        Path | None,
+        typer.Argument(metavar="TRAJECTORIES", help="A .csv, a .npz or the folder of a run."),
+    ] = None,
+    *,
+    overrides: Overrides = None,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    as_json: Json = False,
+) -> None:
+    """Certify trajectories against a scene.
+
+    In continuous time, and whoever wrote them: a .csv, a .npz or the folder of a run.
+    Exit status 0 when the certificate holds, 1 when it is broken.
+
+    \b
+    Examples:
+      stplan check outputs/bottleneck
+      stplan check scenes/bottleneck/bottleneck.yaml outputs/bottleneck/seed.csv
+    """
+    _serve(
+        quiet, verbose, as_json,
+        lambda console: check_trajectories(console, run_or_scene, trajectories, overrides or []),
+    )  # fmt: skip
+
+
+@app.command()
+def diff(
+    a: Annotated[Path, typer.Argument(metavar="A", help="A .csv, a .npz or a run's folder.")],
+    b: Annotated[Path, typer.Argument(metavar="B", help="What to compare with A.")],
+    *,
+    atol: Annotated[float, typer.Option(help="Absolute tolerance, in m and in s.")] = 1e-9,
+    rtol: Annotated[float, typer.Option(help="Relative tolerance.")] = 0.0,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    as_json: Json = False,
+) -> None:
+    """Compare two trajectory files.
+
+    Says which agent differs most, by how much, at which knot and when.
+    Exit status 0 when they are equal within the tolerances, 1 when they differ.
+
+    \b
+    Example:
+      stplan diff outputs/bottleneck expected/trajectories.csv --atol 1e-6
+    """
+    _serve(quiet, verbose, as_json, lambda console: compare(console, a, b, atol, rtol))
+
+
+@app.command()
+def validate(
+    scenes: ScenePaths,
+    *,
+    overrides: Overrides = None,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    as_json: Json = False,
+) -> None:
+    """Check scenes and their maps without planning.
+
+    Every fault is named with its file, line and column.
+
+    \b
+    Example:
+      stplan validate scenes/*/*.yaml
+    """
+    _serve(
+        quiet, verbose, as_json, lambda console: validate_scenes(console, scenes, overrides or [])
+    )
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of scene files.
+
+    Editors complete and check scene files with it.
+
+    \b
+    Example:
+      stplan schema > stplan.schema.json
+    """
+    _serve(False, False, True, print_schema)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    del number, frame
+    raise KeyboardInterrupt
+
+
+def _serve(quiet: bool, verbose: bool, as_json: bool, work: Callable[[Console], int]) -> None:
+    """Do a command's work and leave with its exit status; no exception passes."""
+    try:
+        console = Console(quiet, verbose, as_json)
+        status = work(console)
+    except (Exception, KeyboardInterrupt) as error:
+        status, messages = failure(error)
+        console = Console(as_json=as_json)
+        console.error(*messages)
+        with suppress(UsageError):  # A full disk behind stdout: the messages above say enough.
+            console.result_json({"exit_status": status, "messages": messages})
+    raise typer.Exit(status)

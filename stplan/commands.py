@@ -1,0 +1,199 @@
+"""What the commands do, given a console: each returns its exit status.
+
+Imports that take time wait inside the functions, so that help and usage errors come at once.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stplan.errors import SceneError, UsageError
+from stplan.reporting import Console, failure, plan_lines, worst
+
+if TYPE_CHECKING:
+    from stplan.pipeline import Plan
+    from stplan.scene.model import Scene
+
+
+def _load(path: Path, overrides: Sequence[str]) -> Scene:
+    if path.is_dir():
+        raise UsageError(f"{path} is a folder; expected a scene file")
+    if not path.exists():
+        raise UsageError(f"cannot read {path}: no such file")
+    from stplan.scene import load_scene
+
+    return load_scene(path, overrides=tuple(overrides))
+
+
+def plan_scenes(
+    console: Console,
+    paths: Sequence[Path],
+    output: Path,
+    overrides: Sequence[str],
+    *,
+    seed_only: bool,
+) -> int:
+    """Plan every scene that can be read; all that cannot are named first."""
+    records: list[dict[str, Any]] = [
+        {"scene": str(path), "exit_status": 0, "status": "not planned"} for path in paths
+    ]
+    scenes: dict[str, tuple[Scene, dict[str, Any]]] = {}
+    for path, record in zip(paths, records, strict=True):
+        try:
+            scene = _load(path, overrides)
+            if scene.name in scenes:
+                other = scenes[scene.name][1]["scene"]
+                raise UsageError(
+                    f"{path} and {other} are both named {scene.name}, so one would overwrite "
+                    "the other; rename one, or solve them apart"
+                )
+            scenes[scene.name] = scene, record
+        except Exception as error:
+            _note_failure(console, record, error)
+    for scene, record in scenes.values():
+        prefix = f"{scene.name}: " if len(paths) > 1 else ""
+        try:
+            _plan_one(
+                console, scene, output, overrides, seed_only=seed_only, prefix=prefix, record=record
+            )
+        except (Exception, KeyboardInterrupt) as error:
+            _note_failure(console, record, error, "" if isinstance(error, SceneError) else prefix)
+        if record["exit_status"] == 130:
+            break
+    status = worst([record["exit_status"] for record in records])
+    console.result_json({"exit_status": status, "scenes": records})
+    return status
+
+
+def _plan_one(
+    console: Console,
+    scene: Scene,
+    output: Path,
+    overrides: Sequence[str],
+    *,
+    seed_only: bool,
+    prefix: str,
+    record: dict[str, Any],
+) -> None:
+    from stplan.pipeline import plan, seed
+
+    def progress(line: str) -> None:
+        console.progress(prefix + line)
+
+    planned = (seed if seed_only else plan)(scene, progress=progress)
+    # A run is checked later against the scene as it was planned, overrides and all.
+    planned.report.get("scene", {})["overrides"] = list(overrides)
+    files = _write(planned, output / scene.name, seed_only)
+    record |= {
+        "name": scene.name,
+        "exit_status": planned.exit_status,
+        "status": planned.status,
+        "advice": planned.advice,
+        "folder": str(output / scene.name),
+        "files": [str(path) for path in files],
+        "report": planned.report,
+        "run": planned.run,
+    }
+    if planned.advice and not (console.quiet and planned.exit_status == 0):
+        console.error(prefix + planned.advice)
+    console.result(*plan_lines(planned, files, console.verbose))
+
+
+def _write(planned: Plan, folder: Path, seed_only: bool) -> list[Path]:
+    if not seed_only:
+        from stplan.pipeline import write_plan
+
+        return write_plan(planned, folder)
+    # Without a report: one of an earlier `solve` in this folder still describes its trajectories.
+    from stplan.files.trajectories import write_files
+
+    return write_files(folder, planned.scene, {"seed": planned.seed})
+
+
+def _note_failure(
+    console: Console, record: dict[str, Any], error: BaseException, prefix: str = ""
+) -> None:
+    status, messages = failure(error)
+    console.error(*(prefix + message for message in messages))
+    record |= {"exit_status": status, "status": "error", "messages": messages}
+
+
+def check_trajectories(
+    console: Console, run_or_scene: Path, trajectories: Path | None, overrides: Sequence[str]
+) -> int:
+    """Certify trajectories against the scene of a run, or against any scene."""
+    from stplan.files.run_folder import recorded_scene
+    from stplan.files.trajectories import read_trajectories
+
+    changed = False
+    if run_or_scene.is_dir():
+        recorded = recorded_scene(run_or_scene)
+        scene = _load(recorded.source, [*recorded.overrides, *overrides])
+        changed = recorded.content_hash not in (None, scene.content_hash)
+        lines = read_trajectories(trajectories or run_or_scene)
+    else:
+        scene = _load(run_or_scene, overrides)
+        if trajectories is None:
+            raise UsageError(
+                f"{run_or_scene} is not the folder of a run, so name the trajectories too: "
+                f"stplan check {run_or_scene} TRAJECTORIES"
+            )
+        lines = read_trajectories(trajectories)
+    from stplan.pipeline import check as certify
+
+    certificate = certify(scene, lines)
+    if changed:
+        console.progress(f"note: {scene.source} is not as it was when this run was planned")
+    console.result(f"{scene.name}: {certificate.summary}", *certificate.violations)
+    status = 0 if certificate.holds else 1
+    console.result_json({"exit_status": status, "scene_changed": changed, **certificate.as_dict()})
+    return status
+
+
+def compare(console: Console, a: Path, b: Path, atol: float, rtol: float) -> int:
+    """Say where two sets of trajectories differ."""
+    for name, value in (("--atol", atol), ("--rtol", rtol)):
+        if not (math.isfinite(value) and value >= 0):
+            raise UsageError(f"{name} is {value}; expected a finite number, at least 0")
+    from stplan.files.compare import compare_trajectories
+    from stplan.files.trajectories import read_trajectories
+
+    difference = compare_trajectories(read_trajectories(a), read_trajectories(b), atol, rtol)
+    status = 0 if difference.equal else 1
+    console.result(*difference.lines())
+    if console.verbose and difference.equal:
+        console.result(*(agent.sentence() for agent in difference.agents))
+    console.result_json({"exit_status": status, **difference.as_dict()})
+    return status
+
+
+def validate_scenes(console: Console, paths: Sequence[Path], overrides: Sequence[str]) -> int:
+    """Check every scene and its map; faults of all are said."""
+    records = []
+    for path in paths:
+        record: dict[str, Any] = {"scene": str(path), "exit_status": 0}
+        records.append(record)
+        try:
+            scene = _load(path, overrides)
+            from stplan.pipeline import validate as validate_in_world
+
+            validate_in_world(scene)
+        except Exception as error:
+            _note_failure(console, record, error)
+        else:
+            record |= {"name": scene.name, "status": "valid"}
+            console.result(f"{path}: valid, {scene.name} with {len(scene.agents)} agents")
+    status = worst([record["exit_status"] for record in records])
+    console.result_json({"exit_status": status, "scenes": records})
+    return status
+
+
+def print_schema(console: Console) -> int:
+    """The JSON Schema of scene files."""
+    from stplan.scene import scene_schema
+
+    console.result_json(scene_schema())
+    return 0

@@ -1,0 +1,135 @@
+"""What the commands say and where: results to stdout, progress and messages to stderr."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import time
+import traceback
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TextIO
+
+from stplan.errors import StplanError, UsageError
+from stplan.files.json_file import json_bytes
+
+if TYPE_CHECKING:
+    from stplan.pipeline import Plan
+
+# The worst of several scenes is the command's: a bug, a broken command line or scene, ...
+_WORST_FIRST = (5, 130, 2, 3, 4, 1, 0)
+
+
+def worst(statuses: list[int]) -> int:
+    """The exit status of a command that did several things."""
+    return min(statuses, key=_WORST_FIRST.index, default=0)
+
+
+class Console:
+    """Where a command's words go, by how much was asked for.
+
+    Args:
+        quiet: errors only.
+        verbose: more detail, progress with seconds.
+        as_json: one JSON object instead of a text on stdout.
+    """
+
+    def __init__(self, quiet: bool = False, verbose: bool = False, as_json: bool = False) -> None:
+        if quiet and verbose:
+            raise UsageError("--quiet and --verbose exclude each other")
+        self.quiet = quiet
+        self.verbose = verbose
+        self.as_json = as_json
+        self._started = time.monotonic()
+
+    def result(self, *lines: str) -> None:
+        """Text on stdout, unless --quiet or --json."""
+        if not self.quiet and not self.as_json and lines:
+            write(sys.stdout, "\n".join(lines) + "\n")
+
+    def result_json(self, content: dict[str, Any]) -> None:
+        """The one object on stdout, with --json."""
+        if self.as_json:
+            write(sys.stdout, json_bytes(content).decode())
+
+    def progress(self, line: str) -> None:
+        """A line on stderr, unless --quiet."""
+        if not self.quiet:
+            seconds = f"[{time.monotonic() - self._started:7.2f} s] " if self.verbose else ""
+            write(sys.stderr, f"{seconds}{line}\n")
+
+    def error(self, *lines: str) -> None:
+        """What went wrong, on stderr, always."""
+        if lines:
+            write(sys.stderr, "\n".join(lines) + "\n")
+
+
+def write(stream: TextIO | None, text: str) -> None:
+    """Write at once. A reader that has gone away (`| head`) is no reason to stop working.
+
+    Raises:
+        UsageError: stdout leads to a full disk.
+    """
+    if stream is None:
+        return
+    try:
+        stream.write(text)
+        stream.flush()
+    except OSError as error:
+        # From here on to nowhere, or the interpreter would complain once more when it ends.
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
+        if not isinstance(error, BrokenPipeError) and stream is sys.stdout:
+            raise UsageError(f"cannot write to standard output: {error.strerror}") from error
+
+
+def failure(error: BaseException) -> tuple[int, list[str]]:
+    """Exit status and messages of an exception; a bug's traceback goes to a file."""
+    if isinstance(error, StplanError):
+        return error.exit_status, str(error).splitlines() or [type(error).__name__]
+    if isinstance(error, KeyboardInterrupt):
+        return 130, ["interrupted before there was a result; nothing was written"]
+    what = " ".join(f"{type(error).__name__}: {error}".split())
+    return 5, [f"internal error: {what}; {_save_traceback(error)}"]
+
+
+def _save_traceback(error: BaseException) -> str:
+    text = "".join(traceback.format_exception(error))
+    try:
+        descriptor, name = tempfile.mkstemp(prefix="stplan-traceback-", suffix=".txt")
+        with os.fdopen(descriptor, "w", encoding="utf-8", errors="backslashreplace") as stream:
+            stream.write(text)
+    except OSError as problem:
+        return f"the traceback could not be saved: {problem.strerror or problem}"
+    return f"traceback saved to {name}"
+
+
+def plan_lines(plan: Plan, files: list[Path], verbose: bool) -> list[str]:
+    """A plan in a few lines."""
+    metrics = plan.report.get("metrics", {})
+    lines = [f"{plan.scene.name}: {plan.status}", f"  {plan.certificate.summary}"]
+    ratio, arrival = metrics.get("kinetic_over_straight"), metrics.get("latest_arrival")
+    figures = []
+    if ratio is not None:
+        figures.append(f"kinetic cost {ratio:.4f} times the straight lines'")
+    if arrival is not None:
+        figures.append(f"latest arrival {arrival:.2f} s")
+    if figures:
+        lines.append("  " + ", ".join(figures))
+    if verbose:
+        lines += [_agent_line(row) for row in metrics.get("agents", [])]
+        seconds = plan.run.get("seconds", {})
+        spent = ", ".join(f"{name} {amount:.2f} s" for name, amount in seconds.items())
+        lines += [f"  {spent}"] if spent else []
+    if files:
+        names = " ".join(path.name for path in files)
+        lines.append(f"  {files[0].parent}{os.sep}: {names}")
+    return lines
+
+
+def _agent_line(row: dict[str, Any]) -> str:
+    return (
+        f"  {row['agent']}: arrives {row['arrival_time']:.2f} s, "
+        f"path {row['path_length']:.2f} m, fastest {row['greatest_speed']:.2f} m/s"
+    )
