@@ -1,0 +1,135 @@
+"""The free space: where centres of agents may be, before their radius is taken off."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import shapely
+
+from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.errors import SceneError
+from stplan.scene.model import CircleObstacle, MeshBase, PolygonObstacle, Scene
+from stplan.world.mesh_file import mesh_polygon
+
+# Sides of the polygon that stands for a disc; it contains the disc, so nobody gets closer than told.
+CIRCLE_SIDES = 64
+
+
+@dataclass(frozen=True)
+class FreeSpace:
+    """The map as a polygon with its boundary.
+
+    Attributes:
+        polygon: shapely Polygon or MultiPolygon, m.
+        boundary_vertices: (B, 2) corners of outer rings and holes, m.
+        boundary_edges: (E, 2) indices into them.
+    """
+
+    polygon: shapely.Geometry
+    boundary_vertices: FloatArray
+    boundary_edges: IntArray
+
+    @staticmethod
+    def from_polygon(polygon: shapely.Geometry) -> FreeSpace:
+        """The free space of a polygon; exactly collinear corners are dropped, order is canonical."""
+        polygon = shapely.normalize(shapely.simplify(polygon, 0.0, preserve_topology=True))
+        parts = [part for part in shapely.get_parts(polygon) if part.area > 0]
+        starts, ends = [], []
+        for part in parts:
+            for ring in [part.exterior, *part.interiors]:
+                corners = np.asarray(ring.coords)[:, :2]
+                starts.append(corners[:-1])
+                ends.append(corners[1:])
+        edges = np.hstack([np.vstack(starts), np.vstack(ends)])
+        vertices, place = np.unique(
+            np.vstack([edges[:, :2], edges[:, 2:]]), axis=0, return_inverse=True
+        )
+        place = place.reshape(2, -1).T
+        keep = place[:, 0] != place[:, 1]
+        shapely.prepare(polygon)
+        return FreeSpace(polygon, vertices, np.ascontiguousarray(place[keep], dtype=np.int64))
+
+    @cached_property
+    def boundary_segments(self) -> FloatArray:
+        """(E, 4) edges as x0, y0, x1, y1, m."""
+        corners = self.boundary_vertices[self.boundary_edges]
+        return np.ascontiguousarray(corners.reshape(-1, 4))
+
+    @cached_property
+    def boundary(self) -> shapely.Geometry:
+        """All edges as one prepared geometry."""
+        lines = shapely.multilinestrings(
+            shapely.linestrings(self.boundary_segments.reshape(-1, 2, 2))
+        )
+        shapely.prepare(lines)
+        return lines
+
+    @cached_property
+    def _tree(self) -> shapely.STRtree:
+        return shapely.STRtree(shapely.linestrings(self.boundary_segments.reshape(-1, 2, 2)))
+
+    def contains(self, points: FloatArray) -> BoolArray:
+        """Which points (P, 2) lie strictly inside."""
+        return np.asarray(shapely.contains_xy(self.polygon, points[:, 0], points[:, 1]))
+
+    def clearance(self, points: FloatArray) -> FloatArray:
+        """(P,) distance of points to the boundary in m, negative outside."""
+        distance = self._distance(shapely.points(points))
+        return np.where(self.contains(points), distance, -distance)
+
+    def segment_clearance(self, starts: FloatArray, ends: FloatArray) -> FloatArray:
+        """(S,) distance of whole segments to the boundary in m, negative where outside or across."""
+        lines = shapely.linestrings(np.stack([starts, ends], axis=1))
+        distance = self._distance(lines)
+        inside = self.contains((starts + ends) / 2)
+        return np.where((distance > 0) & inside, distance, -np.maximum(distance, 1e-12))
+
+    def _distance(self, shapes: FloatArray) -> FloatArray:
+        if not len(shapes):
+            return np.empty(0)
+        (index, _), distance = self._tree.query_nearest(
+            shapes, return_distance=True, all_matches=False
+        )
+        result = np.empty(len(shapes))
+        result[index] = distance
+        return result
+
+
+def build_free_space(scene: Scene) -> FreeSpace | None:
+    """The free space of `scene`, None where it has no map (the plane is open).
+
+    Raises:
+        SceneError: the mesh cannot be read, or nothing is left of the map.
+    """
+    if scene.map is None:
+        return None
+    base = scene.map.base
+    if isinstance(base, MeshBase):
+        polygon = mesh_polygon(scene, base)
+    else:
+        polygon = shapely.Polygon(base.outer, base.holes)
+    for number, obstacle in enumerate(scene.map.obstacles):
+        shape = obstacle_polygon(obstacle)
+        if not shape.is_valid or shape.area == 0:
+            raise SceneError(
+                scene.located(
+                    f"map.obstacles[{number}]", "has no area or cuts itself; a simple ring is expected"
+                )
+            )
+        polygon = shapely.difference(polygon, shape)
+    parts = [p for p in shapely.get_parts(polygon) if isinstance(p, shapely.Polygon) and p.area > 0]
+    if not parts:
+        raise SceneError(scene.located("map", "has no area left to move in"))
+    return FreeSpace.from_polygon(parts[0] if len(parts) == 1 else shapely.MultiPolygon(parts))
+
+
+def obstacle_polygon(obstacle: PolygonObstacle | CircleObstacle) -> shapely.Polygon:
+    """An obstacle as a polygon; a disc is circumscribed."""
+    if isinstance(obstacle, PolygonObstacle):
+        return shapely.Polygon(obstacle.ring)
+    angle = 2 * np.pi * np.arange(CIRCLE_SIDES) / CIRCLE_SIDES
+    reach = obstacle.radius / np.cos(np.pi / CIRCLE_SIDES)
+    ring = np.array(obstacle.center) + reach * np.column_stack([np.cos(angle), np.sin(angle)])
+    return shapely.Polygon(ring)
