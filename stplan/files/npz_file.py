@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import zipfile
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +20,8 @@ from stplan.world_lines import WorldLines
 
 FORMAT = 1
 _REQUIRED = ("agent_ids", "offsets", "knots")
+# What a damaged, encrypted, foreign or unreadable file raises, one way or another.
+_BROKEN = (OSError, EOFError, ValueError, RuntimeError, zipfile.BadZipFile, zlib.error)
 # Zip knows no dates before this one.
 _DATE = (1980, 1, 1, 0, 0, 0)
 
@@ -75,13 +78,17 @@ def read_npz(path: Path) -> NpzContent:
     """
     path = Path(path)
     try:
-        with np.load(path, allow_pickle=False) as archive:
-            if not isinstance(archive, np.lib.npyio.NpzFile):
-                raise UsageError(f"{path}: a single array; expected an .npz of several")
-            arrays = {name: archive[name] for name in archive.files}
+        # By hand too: numpy.load leaves the file open where the zip in it is broken.
+        with path.open("rb") as stream, zipfile.ZipFile(stream) as archive:
+            arrays = {
+                name.removesuffix(".npy"): npy_format.read_array(
+                    io.BytesIO(archive.read(name)), allow_pickle=False
+                )
+                for name in archive.namelist()
+            }
     except FileNotFoundError as error:
         raise UsageError(f"cannot read {path}: {error.strerror}") from error
-    except (OSError, EOFError, ValueError, zipfile.BadZipFile) as error:
+    except _BROKEN as error:
         raise UsageError(f"{path}: not a readable .npz file: {error}") from error
     return _Checked(path, arrays).content()
 
