@@ -1,0 +1,291 @@
+"""Exit statuses, streams and files of every command, whatever planning does."""
+
+from __future__ import annotations
+
+import errno
+import itertools
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from stplan.errors import SceneError, SeedingError
+from stplan.reporting import worst
+
+FILES = ["report.json", "run.json", "seed.csv", "seed.npz", "trajectories.csv", "trajectories.npz"]
+
+
+def _names(folder):
+    return sorted(path.name for path in Path(folder).iterdir())
+
+
+def test_solve_writes_and_sums_up(stage, run):
+    result = run("solve", "one.yaml")
+    assert result.status == 0
+    assert result.err == "outer iteration 1\n"
+    assert result.out.splitlines() == [
+        "one: converged",
+        "  certificate holds",
+        "  kinetic cost 1.2500 times the straight lines', latest arrival 5.00 s",
+        "  outputs/one/: trajectories.csv trajectories.npz seed.csv seed.npz report.json run.json",
+    ]
+    assert _names("outputs/one") == FILES
+
+
+def test_verbose_and_quiet(stage, run):
+    result = run("solve", "one.yaml", "--verbose")
+    assert result.err.startswith("[")
+    assert result.err.endswith(" s] outer iteration 1\n")
+    assert "  sam: arrives 5.00 s, path 4.00 m, fastest 0.80 m/s" in result.out
+    assert "total 0.50 s" in result.out
+    result = run("solve", "one.yaml", "-q")
+    assert (result.status, result.out, result.err) == (0, "", "")
+    result = run("solve", "one.yaml", "-q", "-v")
+    assert result.status == 2
+    assert result.err == "--quiet and --verbose exclude each other\n"
+
+
+def test_solve_json_is_one_object(stage, run):
+    result = run("solve", "one.yaml", "two.yaml", "-o", "there", "--json", "--set", "horizon=9")
+    assert result.json["exit_status"] == 0
+    first, second = result.json["scenes"]
+    assert first["name"] == "one"
+    assert first["folder"] == "there/one"
+    assert "there/one/trajectories.csv" in first["files"]
+    assert second["report"]["metrics"]["latest_arrival"] == 5.0
+    assert result.err == "one: outer iteration 1\ntwo: outer iteration 1\n"
+    assert stage.overrides == [("horizon=9",)] * 2
+    report = json.loads(Path("there/one/report.json").read_text())
+    assert report["scene"]["overrides"] == ["horizon=9"]
+
+
+def test_seed_writes_the_seed_only(stage, run):
+    assert run("solve", "one.yaml").status == 0
+    before = Path("outputs/one/report.json").read_bytes()
+    assert run("seed", "one.yaml").status == 0
+    assert Path("outputs/one/report.json").read_bytes() == before
+    assert run("seed", "two.yaml").status == 0
+    assert _names("outputs/two") == ["seed.csv", "seed.npz"]
+
+
+def test_every_scene_is_planned_and_the_worst_status_counts(stage, run):
+    stage.outcomes["one"] = ("failed", 4, "the best feasible ones were written")
+    stage.raises["two"] = SeedingError("sam is blocked by ann")
+    result = run("solve", "bad.yaml", "one.yaml", "two.yaml", "three.yaml", "--json")
+    assert result.status == 2
+    assert stage.planned == ["one", "two", "three"]
+    assert [record["exit_status"] for record in result.json["scenes"]] == [2, 4, 3, 0]
+    assert result.json["scenes"][0]["messages"] == [
+        "bad.yaml:1:1: first fault", "bad.yaml:2:1: second fault",
+    ]  # fmt: skip
+    assert result.err.splitlines() == [
+        "bad.yaml:1:1: first fault",
+        "bad.yaml:2:1: second fault",
+        "one: outer iteration 1",
+        "one: the best feasible ones were written",
+        "two: outer iteration 1",
+        "two: sam is blocked by ann",
+        "three: outer iteration 1",
+    ]
+    assert _names("outputs") == ["one", "three"]
+    assert run("solve", "one.yaml", "two.yaml").status == 3
+    assert run("solve", "one.yaml", "three.yaml").status == 4
+
+
+def test_the_order_of_exit_statuses():
+    order = [5, 130, 2, 3, 4, 1, 0]
+    for better, poorer in itertools.combinations(reversed(order), 2):
+        assert worst([better, poorer]) == worst([poorer, better]) == poorer
+    assert worst([]) == 0
+
+
+def test_two_scenes_of_one_name(stage, run):
+    Path("other").mkdir()
+    Path("other/one.yaml").write_text("stplan: 1")
+    result = run("solve", "one.yaml", "other/one.yaml")
+    assert result.status == 2
+    assert "other/one.yaml and one.yaml are both named one" in result.err
+    assert stage.planned == ["one"]
+
+
+def test_a_limit_is_success_with_advice(stage, run):
+    stage.outcomes["one"] = ("limit", 0, "raise solver.max_iterations")
+    result = run("solve", "one.yaml")
+    assert result.status == 0
+    assert "raise solver.max_iterations\n" in result.err
+    assert run("solve", "one.yaml", "--quiet").err == ""
+
+
+def test_interrupted_with_a_result(stage, run):
+    stage.outcomes["one"] = ("interrupted", 130, "interrupted: the best so far")
+    result = run("solve", "one.yaml", "two.yaml", "--json")
+    assert result.status == 130
+    assert "one: interrupted: the best so far" in result.err
+    assert stage.planned == ["one"]
+    assert _names("outputs/one") == FILES
+    assert result.json["scenes"][1]["status"] == "not planned"
+
+
+def test_interrupted_without_a_result(stage, run):
+    stage.raises["one"] = KeyboardInterrupt()
+    result = run("solve", "one.yaml", "two.yaml")
+    assert result.status == 130
+    assert result.err.endswith("interrupted before there was a result; nothing was written\n")
+    assert not Path("outputs").exists()
+    assert stage.planned == ["one"]
+
+
+def test_a_bug_is_one_line_and_a_file(stage, run, monkeypatch, tmp_path):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    stage.raises["one"] = ZeroDivisionError("two\nlines")
+    result = run("solve", "one.yaml", "--quiet", "--json")
+    assert result.status == 5
+    (line,) = result.err.splitlines()
+    head, path = line.split("; traceback saved to ")
+    assert head == "internal error: ZeroDivisionError: two lines"
+    assert "Traceback (most recent call last)" in Path(path).read_text()
+    assert result.json["scenes"][0]["messages"] == [line]
+
+
+def test_a_bug_anywhere_else(stage, run, monkeypatch, tmp_path):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "none"))
+    assert run("seed", "one.yaml").status == 0
+
+    def broken(*arguments):
+        raise RuntimeError("bug")
+
+    monkeypatch.setattr("stplan.files.trajectories.read_trajectories", broken)
+    result = run("check", "one.yaml", "outputs/one/seed.csv", "--json")
+    assert result.status == 5
+    assert result.err.startswith("internal error: RuntimeError: bug; the traceback could not be")
+    assert result.json == {"exit_status": 5, "messages": result.err.splitlines()}
+
+
+@pytest.mark.parametrize("command", ["solve", "seed", "validate"])
+def test_wrong_paths(stage, run, command):
+    result = run(command, "none.yaml", ".")
+    assert result.status == 2
+    assert result.err.splitlines() == [
+        "cannot read none.yaml: no such file",
+        ". is a folder; expected a scene file",
+    ]
+    assert result.out == ""
+
+
+def test_output_that_cannot_be_written(stage, run):
+    result = run("solve", "one.yaml", "-o", "one.yaml")
+    assert result.status == 2
+    assert result.err.splitlines()[-1].startswith("cannot write into one.yaml/one")
+
+
+def test_a_full_disk(stage, run, monkeypatch):
+    def full(path, content):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("stplan.files.atomic._write_flushed", full)
+    result = run("solve", "one.yaml")
+    assert result.status == 2
+    assert "cannot write into outputs/one: No space left on device" in result.err
+    assert not Path("outputs").exists()
+
+
+def test_check_a_run(stage, run):
+    assert run("solve", "one.yaml", "--set", "horizon=9").status == 0
+    result = run("check", "outputs/one", "--set", "solver.mu=1")
+    assert (result.status, result.out) == (0, "one: certificate holds\n")
+    assert stage.overrides[-1] == ("horizon=9", "solver.mu=1")
+    stage.violations = ("sam and ann: too close",)
+    result = run("check", "outputs/one")
+    assert result.status == 1
+    assert result.out == "one: certificate IS BROKEN\nsam and ann: too close\n"
+    result = run("check", "outputs/one", "outputs/one/seed.csv", "--json")
+    assert result.status == 1
+    assert result.json == {
+        "exit_status": 1,
+        "scene_changed": False,
+        "holds": False,
+        "violations": ["sam and ann: too close"],
+    }
+    stage.hash = "4567"
+    result = run("check", "outputs/one")
+    assert result.err == "note: one.yaml is not as it was when this run was planned\n"
+
+
+def test_check_a_scene(stage, run):
+    run("seed", "one.yaml")
+    assert run("check", "one.yaml", "outputs/one/seed.npz").status == 0
+    result = run("check", "one.yaml")
+    assert result.status == 2
+    assert "name the trajectories too: stplan check one.yaml TRAJECTORIES" in result.err
+    assert run("check", "none", "outputs/one/seed.npz").err == "cannot read none: no such file\n"
+    assert run("check", "one.yaml", "none.csv").err == "cannot read none.csv: no such file\n"
+    result = run("check", "outputs/one")
+    assert result.status == 2
+    assert "holds no report.json" in result.err
+
+
+def test_diff(stage, run):
+    run("solve", "one.yaml")
+    result = run("diff", "outputs/one", "outputs/one/trajectories.csv")
+    assert (result.status, result.out) == (0, "equal: 2 agents\n")
+    assert "sam: position 0 m" in run("diff", "outputs/one", "outputs/one", "-v").out
+    text = Path("outputs/one/trajectories.csv").read_text()
+    Path("moved.csv").write_text(text.replace("sam,1,2.0", "sam,1,2.5"))
+    result = run("diff", "outputs/one", "moved.csv")
+    assert result.status == 1
+    assert result.out.startswith("sam: position 0.5 m at knot 1 (t = 2.5 s)")
+    assert run("diff", "outputs/one", "moved.csv", "--atol", 0.6).status == 0
+    result = run("diff", "outputs/one", "moved.csv", "--json")
+    assert (result.status, result.json["exit_status"], result.json["equal"]) == (1, 1, False)
+    for value in ("nan", "inf", "-1"):
+        result = run("diff", "outputs/one", "moved.csv", "--rtol", value)
+        assert result.status == 2
+        assert "--rtol is" in result.err
+    assert run("diff", "outputs/one", "none.csv").status == 2
+
+
+def test_validate(stage, run):
+    stage.raises["two"] = SceneError("two.yaml:5:1: agents[0].start: inside a wall")
+    result = run("validate", "one.yaml", "two.yaml", "bad.yaml", "--json")
+    assert result.status == 2
+    assert [record["status"] for record in result.json["scenes"]] == ["valid", "error", "error"]
+    assert result.err.splitlines() == [
+        "two.yaml:5:1: agents[0].start: inside a wall",
+        "bad.yaml:1:1: first fault",
+        "bad.yaml:2:1: second fault",
+    ]
+    result = run("validate", "one.yaml")
+    assert (result.status, result.out) == (0, "one.yaml: valid, one with 2 agents\n")
+
+
+def test_schema(run, monkeypatch):
+    monkeypatch.setattr("stplan.scene.scene_schema", lambda: {"type": "object"}, raising=False)
+    result = run("schema")
+    assert (result.status, result.json) == (0, {"type": "object"})
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        [],
+        ["none"],
+        ["solve"],
+        ["solve", "--bogus"],
+        ["diff", "a"],
+        ["diff", "a", "b", "--atol", "x"],
+    ],
+)
+def test_a_wrong_command_line(run, arguments):
+    result = run(*arguments)
+    assert result.status == 2
+    assert "Usage: stplan" in result.err + result.out
+
+
+def test_help_names_every_exit_status_and_shows_examples(run):
+    result = run("--help")
+    assert result.status == 0
+    for status in (0, 1, 2, 3, 4, 5, 130):
+        assert f"\n    {status:<5}" in result.out
+    for command in ("solve", "seed", "check", "diff", "validate", "schema"):
+        assert f"    stplan {command} " in run(command, "--help").out
