@@ -1,0 +1,16 @@
+"""Scenes: YAML text to a validated, immutable problem."""
+
+from stplan.scene.format import scene_schema
+from stplan.scene.interactions import Interactions, scene_interactions
+from stplan.scene.load import load_scene, parse_scene
+from stplan.scene.model import Agent, Scene
+
+__all__ = [
+    "Agent",
+    "Interactions",
+    "Scene",
+    "load_scene",
+    "parse_scene",
+    "scene_interactions",
+    "scene_schema",
+]
