@@ -99,8 +99,8 @@ def test_agents_that_overlap_at_their_starts(scene, run):
     scene.write_text(SCENE.replace("[0.1, -2.0]", "[-2.0, 0.1]"))
     result = run("validate", scene)
     assert result.status == 2
-    assert "sam" in result.err
-    assert "ann" in result.err
+    assert "crossing.yaml:6:" in result.err
+    assert "'sam'" in result.err
     assert run("solve", scene).status == 2
 
 
