@@ -1,0 +1,81 @@
+"""Chains of 3x3 blocks: symmetric positive definite systems of one string, solved in place.
+
+`diagonal` (K, 3, 3) and `upper` (K, 3, 3), where upper[i] couples knots i and i + 1 and the last
+one is not used; `force` (K, 3) is the right-hand side.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stplan.arrays import FloatArray, IntArray
+from stplan.compiled import kernel
+
+# Knots: free, pinned in the plane but free in time, fixed.
+FREE, PINNED, FIXED = 0, 1, 2
+
+
+@kernel
+def hold_knots(hold: IntArray, diagonal: FloatArray, upper: FloatArray, force: FloatArray) -> None:
+    """Take the coordinates that may not move out of the system."""
+    for i in range(len(hold)):
+        held = 0 if hold[i] == FREE else (2 if hold[i] == PINNED else 3)
+        for x in range(held):
+            force[i, x] = 0.0
+            for y in range(3):
+                diagonal[i, x, y] = 0.0
+                diagonal[i, y, x] = 0.0
+                upper[i, x, y] = 0.0
+                if i > 0:
+                    upper[i - 1, y, x] = 0.0
+            diagonal[i, x, x] = 1.0
+
+
+@kernel
+def solve(diagonal: FloatArray, upper: FloatArray, force: FloatArray) -> None:
+    """Solve the block tridiagonal system in place; `force` becomes the step."""
+    count = len(force)
+    inverse = np.empty((count, 3, 3))
+    carry = np.empty((3, 3))
+    for i in range(count):
+        if i > 0:
+            # carry = upper[i - 1]^T inverse[i - 1], the elimination of the knot before.
+            for x in range(3):
+                for y in range(3):
+                    carry[x, y] = 0.0
+                    for z in range(3):
+                        carry[x, y] += upper[i - 1, z, x] * inverse[i - 1, z, y]
+            for x in range(3):
+                for y in range(3):
+                    force[i, x] -= carry[x, y] * force[i - 1, y]
+                    for z in range(3):
+                        diagonal[i, x, y] -= carry[x, z] * upper[i - 1, z, y]
+        _invert(diagonal[i], inverse[i])
+    rest = np.empty(3)
+    for i in range(count - 1, -1, -1):
+        for x in range(3):
+            rest[x] = force[i, x]
+            if i < count - 1:
+                for y in range(3):
+                    rest[x] -= upper[i, x, y] * force[i + 1, y]
+        for x in range(3):
+            force[i, x] = (
+                inverse[i, x, 0] * rest[0] + inverse[i, x, 1] * rest[1] + inverse[i, x, 2] * rest[2]
+            )
+
+
+@kernel
+def _invert(block: FloatArray, inverse: FloatArray) -> None:
+    """Inverse of a symmetric positive definite 3x3 block."""
+    a, b, c = block[0, 0], block[0, 1], block[0, 2]
+    d, e, f = block[1, 1], block[1, 2], block[2, 2]
+    first = d * f - e * e
+    second = c * e - b * f
+    third = b * e - c * d
+    scale = 1.0 / (a * first + b * second + c * third)
+    inverse[0, 0] = first * scale
+    inverse[0, 1] = inverse[1, 0] = second * scale
+    inverse[0, 2] = inverse[2, 0] = third * scale
+    inverse[1, 1] = (a * f - c * c) * scale
+    inverse[1, 2] = inverse[2, 1] = (b * c - a * e) * scale
+    inverse[2, 2] = (a * d - b * b) * scale

@@ -1,0 +1,29 @@
+"""Another number of knots for the same curve: new knots lie on the polyline, old ones stay."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stplan.arrays import FloatArray
+
+
+def resample_curve(curve: FloatArray, num_knots: int) -> FloatArray:
+    """`curve` (n, 3) with exactly `num_knots` knots, all of the old ones among them.
+
+    Pieces are split where they are longest, in parts of the duration plus parts of the length. A
+    curve that has as many knots already, or more, comes back as it is.
+    """
+    wanted = num_knots - len(curve)
+    if wanted <= 0:
+        return curve.copy()
+    duration = np.diff(curve[:, 2])
+    length = np.hypot(*np.diff(curve[:, :2], axis=0).T)
+    weight = duration / duration.sum() + length / max(float(length.sum()), 1e-9)
+    pieces = np.ones(len(weight), dtype=np.int64)
+    for _ in range(wanted):
+        pieces[np.argmax(weight / pieces)] += 1
+    parts = [
+        curve[i] + (curve[i + 1] - curve[i]) * (np.arange(count) / count)[:, None]
+        for i, count in enumerate(pieces)
+    ]
+    return np.ascontiguousarray(np.vstack([*parts, curve[-1:]]))
