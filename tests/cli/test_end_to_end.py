@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -116,3 +119,23 @@ def test_a_file_that_is_no_scene(scene, run):
         result = run("validate", scene)
         assert result.status == 2, text
         assert result.err.startswith("crossing.yaml"), text
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_interrupted_while_optimising_the_best_so_far_is_written(scene, run, number):
+    endless = ["--set", "solver.outer_iterations=1000", "--set", "solver.mu_decay=0.999"]
+    with subprocess.Popen(
+        [sys.executable, "-m", "stplan", "solve", str(scene), *endless],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    ) as process:  # fmt: skip
+        assert process.stderr is not None
+        for line in process.stderr:
+            if line.startswith("outer 1/"):
+                break
+        process.send_signal(number)
+        _, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "interrupted: these are the best feasible trajectories so far" in err
+    report = json.loads(Path("outputs/crossing/report.json").read_text())
+    assert report["status"] == "interrupted"
+    assert run("check", "outputs/crossing").status == 0
