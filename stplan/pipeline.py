@@ -107,9 +107,7 @@ def seed(scene: Scene, *, progress: Progress | None = None) -> Plan:
     clock = _Clock()
     _, found, certificate = _seeded(scene, progress or (lambda line: None), clock)
     report = _report(scene, found, certificate, certificate, found.world_lines, "seeded")
-    return Plan(
-        scene, found.world_lines, None, certificate, report, _run(clock), "seeded", "", 0
-    )
+    return Plan(scene, found.world_lines, None, certificate, report, _run(clock), "seeded", "", 0)
 
 
 def validate(scene: Scene) -> None:

@@ -141,7 +141,9 @@ def _broken_ends(agent: Agent, curve: FloatArray) -> list[str]:
             f"not at {(*agent.start, agent.start_time)}"
         )
     if tuple(curve[-1, :2]) != agent.goal:
-        sentences.append(f"{agent.id}: ends at {tuple(curve[-1, :2].tolist())}, not at {agent.goal}")
+        sentences.append(
+            f"{agent.id}: ends at {tuple(curve[-1, :2].tolist())}, not at {agent.goal}"
+        )
     if curve[-1, 2] > agent.max_time:
         sentences.append(f"{agent.id}: arrives at {curve[-1, 2]} s, after {agent.max_time} s")
     if sentences:
@@ -157,7 +159,8 @@ def _broken_ends(agent: Agent, curve: FloatArray) -> list[str]:
         times = np.union1d(given[:, 2], curve[:, 2])
         gap = max(
             np.abs(
-                np.interp(times, given[:, 2], given[:, x]) - np.interp(times, curve[:, 2], curve[:, x])
+                np.interp(times, given[:, 2], given[:, x])
+                - np.interp(times, curve[:, 2], curve[:, x])
             ).max()
             for x in range(2)
         )
@@ -231,7 +234,9 @@ def _check_walls(
             continue
         distance, place = wall_distance(free_space, curve)
         when = time_at(curve, place)
-        spot = Tightest((agent.id,), distance - agent.radius, when, (float(place[0]), float(place[1])))
+        spot = Tightest(
+            (agent.id,), distance - agent.radius, when, (float(place[0]), float(place[1]))
+        )
         spots.append(spot)
         if distance <= agent.radius:
             where = f"at t = {when:.6g} s, ({place[0]:.4g}, {place[1]:.4g})"

@@ -34,7 +34,7 @@ def turning(curve: FloatArray, time_scale: float) -> float:
 
 def metrics(scene: Scene, lines: WorldLines) -> dict[str, Any]:
     """Figures of the whole plan and of every agent, for the report."""
-    rows = []
+    rows: list[dict[str, Any]] = []
     energy = bound = 0.0
     for agent, curve in zip(scene.agents, lines.curves(), strict=True):
         step = np.diff(curve, axis=0)

@@ -80,7 +80,7 @@ class Acceleration(Term):
         """The cost of every agent (A,)."""
         cost = 0.5 * self._weight * self._turns(knots).theta ** 2
         agents = self._layout.agent_of_knot[self._middle]
-        return np.bincount(agents, cost, self._layout.num_agents)
+        return np.bincount(agents, cost, self._layout.num_agents).astype(np.float64)
 
     def gradient(self, knots: FloatArray) -> FloatArray:
         """(M, 3)."""
@@ -106,11 +106,14 @@ class Acceleration(Term):
         turns = self._turns(knots)
         uu = _own_block(turns, turns.unit_u, turns.length_u, turns.p)
         vv = _own_block(turns, turns.unit_v, turns.length_v, turns.q)
-        uv = -(
-            turns.ratio_slope[:, None, None] * _outer(turns.p, turns.q)
-            + turns.ratio[:, None, None]
-            * (np.eye(3) - _outer(turns.unit_v, turns.unit_v) - _outer(turns.unit_u, turns.q))
-        ) / (turns.length_u * turns.length_v)[:, None, None]
+        uv = (
+            -(
+                turns.ratio_slope[:, None, None] * _outer(turns.p, turns.q)
+                + turns.ratio[:, None, None]
+                * (np.eye(3) - _outer(turns.unit_v, turns.unit_v) - _outer(turns.unit_u, turns.q))
+            )
+            / (turns.length_u * turns.length_v)[:, None, None]
+        )
         vu = uv.transpose(0, 2, 1)
         scale = self._weight[:, None, None] * np.outer(self._scale, self._scale)
         diagonal = [uu, uu - uv - vu + vv, vv]

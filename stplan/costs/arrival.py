@@ -38,6 +38,6 @@ class Arrival(Term):
         """One entry an agent: (t_n, t_n)."""
         return 3 * self._last + 2, 3 * self._last + 2
 
-    def hessian(self, knots: FloatArray) -> FloatArray:  # noqa: ARG002 - constant
+    def hessian(self, knots: FloatArray) -> FloatArray:
         """Constant weights."""
         return self._weights.copy()

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stplan.arrays import FloatArray, IntArray
+from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.costs.contact_term import ContactList, ContactTerm
 from stplan.costs.rods import Rods
 from stplan.scene.interactions import Interactions
@@ -130,9 +130,9 @@ class Collision(ContactTerm):
         )
 
 
-def all_pairs(agents: IntArray, wanted: FloatArray | IntArray) -> IntArray:
+def all_pairs(agents: IntArray, wanted: BoolArray) -> IntArray:
     """(N, 2) every pair of segments of agents a < b with wanted[a, b]; quadratic, for small scenes."""
     i, j = np.triu_indices(len(agents), 1)
     i, j = np.where(agents[i] <= agents[j], i, j), np.where(agents[i] <= agents[j], j, i)
-    keep = (agents[i] != agents[j]) & (wanted[agents[i], agents[j]] != 0)
+    keep = (agents[i] != agents[j]) & wanted[agents[i], agents[j]]
     return np.column_stack([i[keep], j[keep]])

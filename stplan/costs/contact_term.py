@@ -81,7 +81,11 @@ class ContactTerm(Term):
         self._skin = skin
         self._structure_skin = structure_skin
         self._exact_coupling = exact_coupling
-        self._built_at: FloatArray | None = None
+        self._built_at = np.empty((0, 3))
+        self._measured = Measured(np.empty(0), np.empty((0, 2)), np.empty((0, 3)), np.empty(0, int))
+        self._coefficients = Coefficients(
+            0.0, np.inf, np.empty(0), np.empty(0), np.empty(0), np.empty(0)
+        )
         self._evaluated_at: FloatArray | None = None
         self.rebuilds = 0
 

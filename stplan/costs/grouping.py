@@ -60,7 +60,9 @@ class Grouping(ContactTerm):
             for a, b in zip(first, second, strict=True)
         ]  # fmt: skip
         self._pairs = np.vstack(pairs) if pairs else np.empty((0, 2), dtype=np.int64)
-        self._points = np.hstack([rods.segments[self._pairs[:, 0]], rods.segments[self._pairs[:, 1]]])
+        self._points = np.hstack(
+            [rods.segments[self._pairs[:, 0]], rods.segments[self._pairs[:, 1]]]
+        )
         self._keys = (
             rods.agents[self._pairs[:, 0]] * self._num_agents + rods.agents[self._pairs[:, 1]]
         )

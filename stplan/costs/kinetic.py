@@ -38,7 +38,9 @@ class Kinetic(Term):
         if not (duration > 0).all():
             return np.full(self._layout.num_agents, np.inf)
         cost = 0.5 * self._stiffness * (step**2).sum(axis=1) / duration
-        return np.bincount(self._layout.agent_of_segment, cost, self._layout.num_agents)
+        return np.bincount(self._layout.agent_of_segment, cost, self._layout.num_agents).astype(
+            np.float64
+        )
 
     def gradient(self, knots: FloatArray) -> FloatArray:
         """(M, 3)."""

@@ -61,7 +61,9 @@ class Wall(ContactTerm):
         self._vertices = np.column_stack([boundary_vertices, np.zeros(len(boundary_vertices))])
         self._edges = boundary_edges
         self._grid = BoundaryGrid(
-            np.hstack([boundary_vertices[boundary_edges[:, 0]], boundary_vertices[boundary_edges[:, 1]]])
+            np.hstack(
+                [boundary_vertices[boundary_edges[:, 0]], boundary_vertices[boundary_edges[:, 1]]]
+            )
         )
         self._layout = layout
         self._radii = radii

@@ -67,9 +67,7 @@ def build_limits(scene: Scene, layout: KnotLayout, seed: FloatArray) -> Limits:
     mean = ((seed[layout.last, 2] - seed[layout.first, 2]) / layout.num_segments)[
         layout.agent_of_segment
     ]
-    return Limits(
-        lower, upper, np.minimum(LEAST_DURATION_SHARE * mean, SEED_DURATION_SHARE * step)
-    )
+    return Limits(lower, upper, np.minimum(LEAST_DURATION_SHARE * mean, SEED_DURATION_SHARE * step))
 
 
 def waypoint_knots(curve: FloatArray, waypoints: tuple[tuple[float, float], ...]) -> list[int]:
@@ -165,7 +163,5 @@ class Assembly:
             self._wall_alphas = wall.alphas
             terms.append(wall)
         if setting.interactions.grouping.any():
-            terms.append(
-                Grouping(knots, rods, setting.interactions, solver.alpha, exact=exact)
-            )
+            terms.append(Grouping(knots, rods, setting.interactions, solver.alpha, exact=exact))
         return terms

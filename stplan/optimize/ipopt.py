@@ -49,7 +49,18 @@ class IpoptResult:
 
 # Ipopt's statuses that mean "no progress possible", against those that mean "done" or "stopped".
 FAILURES = frozenset({-1, -2, -3, -4, -5, -10, -11, -12, -13, -100, -101, -102, -199, 2, 3, 4})
-LINEAR_SOLVERS = ("mumps", "ma27", "ma57", "ma77", "ma86", "ma97", "pardiso", "pardisomkl", "spral", "wsmp")
+LINEAR_SOLVERS = (
+    "mumps",
+    "ma27",
+    "ma57",
+    "ma77",
+    "ma86",
+    "ma97",
+    "pardiso",
+    "pardisomkl",
+    "spral",
+    "wsmp",
+)
 
 _DEFAULTS: dict[str, Any] = {
     "print_level": 0,
@@ -81,7 +92,9 @@ _WARM: dict[str, Any] = {
 class _Callbacks:
     """The methods cyipopt calls, by cyipopt's names."""
 
-    def __init__(self, problem: Problem, stop: Callable[[Iteration], bool], start: FloatArray) -> None:
+    def __init__(
+        self, problem: Problem, stop: Callable[[Iteration], bool], start: FloatArray
+    ) -> None:
         self._problem = problem
         self._stop = stop
         self._rows, self._columns, self._slopes = problem.durations_jacobian()
@@ -103,13 +116,13 @@ class _Callbacks:
     def constraints(self, x: FloatArray) -> FloatArray:
         return self._problem.durations(x)
 
-    def jacobian(self, x: FloatArray) -> FloatArray:  # noqa: ARG002 - constant
+    def jacobian(self, x: FloatArray) -> FloatArray:
         return self._slopes
 
     def jacobianstructure(self) -> tuple[IntArray, IntArray]:
         return self._rows, self._columns
 
-    def hessian(self, x: FloatArray, lagrange: FloatArray, factor: float) -> FloatArray:  # noqa: ARG002
+    def hessian(self, x: FloatArray, lagrange: FloatArray, factor: float) -> FloatArray:
         return factor * self._problem.hessian(x)
 
     def hessianstructure(self) -> tuple[IntArray, IntArray]:
@@ -120,14 +133,14 @@ class _Callbacks:
         alg_mod: int,
         iter_count: int,
         obj_value: float,
-        inf_pr: float,  # noqa: ARG002
+        inf_pr: float,
         inf_du: float,
         mu: float,
         d_norm: float,
-        regularization_size: float,  # noqa: ARG002
-        alpha_du: float,  # noqa: ARG002
-        alpha_pr: float,  # noqa: ARG002
-        ls_trials: int,  # noqa: ARG002
+        regularization_size: float,
+        alpha_du: float,
+        alpha_pr: float,
+        ls_trials: int,
     ) -> bool:
         current = self.handle.get_current_iterate() if alg_mod == 0 else None
         if current is not None:

@@ -68,6 +68,8 @@ class Problem:
         self.hessian_rows = unique // self.num_variables
         self.hessian_columns = unique % self.num_variables
         self._key: bytes | None = None
+        self._value = np.inf
+        self._gradient: FloatArray | None = None
 
     @property
     def num_variables(self) -> int:
@@ -95,7 +97,7 @@ class Problem:
             return
         started = time.perf_counter()
         self._key = key
-        self._gradient: FloatArray | None = None
+        self._gradient = None
         self.watch.evaluations += 1
         self._value = np.inf
         knots = x.reshape(-1, 3)
@@ -113,9 +115,7 @@ class Problem:
     def _admissible(self, knots: FloatArray) -> bool:
         """Finite, with time running on: asked before any term may divide by a duration."""
         start = self.layout.segment
-        return bool(
-            np.isfinite(knots).all() and (knots[start + 1, 2] > knots[start, 2]).all()
-        )
+        return bool(np.isfinite(knots).all() and (knots[start + 1, 2] > knots[start, 2]).all())
 
     def hessian(self, x: FloatArray) -> FloatArray:
         """Lower triangle in the order of `hessian_rows`, `hessian_columns`."""
@@ -127,7 +127,7 @@ class Problem:
                 for term in self.terms
             ]
         )
-        summed = np.bincount(self._place, values, len(self.hessian_rows))
+        summed: FloatArray = np.bincount(self._place, values, len(self.hessian_rows)).astype(float)
         self.watch.hessian += time.perf_counter() - started
         self.watch.hessians += 1
         return summed

@@ -98,7 +98,11 @@ def _point(values: list[float]) -> Point:
 
 def _agent(file: SceneFile, entry: AgentFile, index: int, faults: list[Fault]) -> Agent:
     here = f"agents[{index}]"
-    path = None if entry.path is None else tuple((float(x), float(y), float(t)) for x, y, t in entry.path)
+    path = (
+        None
+        if entry.path is None
+        else tuple((float(x), float(y), float(t)) for x, y, t in entry.path)
+    )
     start, goal = entry.start, entry.goal
     start_time = float(_merged(file.defaults, entry, "start_time", 0.0))
     max_time = _merged(file.defaults, entry, "max_time", file.horizon)
@@ -115,7 +119,10 @@ def _agent(file: SceneFile, entry: AgentFile, index: int, faults: list[Fault]) -
     max_time = float(max_time)
     if max_time <= start_time:
         faults.append(
-            (f"{here}.max_time", f"is {max_time:g} s; later than start_time {start_time:g} s is expected")
+            (
+                f"{here}.max_time",
+                f"is {max_time:g} s; later than start_time {start_time:g} s is expected",
+            )
         )
     weights = _weights(file.defaults, entry)
     preferred = _merged(file.defaults, entry, "preferred_time", None)
@@ -179,11 +186,16 @@ def _pairs(file: SceneFile, ids: dict[str, int], faults: list[Fault]) -> tuple[P
                     members.append(ids[name])
                 else:
                     faults.append(
-                        (f"pairs[{k}].between[{s}]", f"there is no agent '{name}'{did_you_mean(name, ids)}")
+                        (
+                            f"pairs[{k}].between[{s}]",
+                            f"there is no agent '{name}'{did_you_mean(name, ids)}",
+                        )
                     )
             sides.append(tuple(dict.fromkeys(members)))
         if entry.distance is None and entry.grouping is None and entry.collide is None:
-            faults.append((f"pairs[{k}]", "says nothing; distance, grouping or collide is expected"))
+            faults.append(
+                (f"pairs[{k}]", "says nothing; distance, grouping or collide is expected")
+            )
         rules.append(PairRule(sides[0], sides[1], entry.distance, entry.grouping, entry.collide))
     return tuple(rules)
 
@@ -192,7 +204,9 @@ def _map(entry: MapFile, directory: Path, faults: list[Fault]) -> MapSpec:
     given = [key for key in ("mesh", "polygon", "rectangle") if getattr(entry, key) is not None]
     if len(given) != 1:
         found = " and ".join(given) or "none"
-        faults.append(("map", f"has {found}; exactly one of mesh, polygon and rectangle is expected"))
+        faults.append(
+            ("map", f"has {found}; exactly one of mesh, polygon and rectangle is expected")
+        )
     if entry.holes is not None and entry.polygon is None:
         faults.append(("map.holes", "belong to a polygon; use obstacles with other maps"))
     if entry.up is not None and entry.mesh is None:
@@ -225,7 +239,9 @@ def _mesh_path(text: str, directory: Path, faults: list[Fault]) -> Path:
         if "\x00" in text or not path.is_file():
             faults.append(("map.mesh", f"there is no file {text!r} beside the scene"))
         elif path.suffix.lower() not in MESH_SUFFIXES:
-            faults.append(("map.mesh", f"is {text!r}; one of {', '.join(MESH_SUFFIXES)} is expected"))
+            faults.append(
+                ("map.mesh", f"is {text!r}; one of {', '.join(MESH_SUFFIXES)} is expected")
+            )
         elif path.stat().st_size > LARGEST_MESH:
             faults.append(("map.mesh", f"is larger than {LARGEST_MESH // 2**20} MiB"))
     except OSError as error:

@@ -72,7 +72,9 @@ def _keys_at(steps: Iterable[str | int]) -> list[str]:
     model: Any = SceneFile
     for step in steps:
         if isinstance(step, str):
-            model = _inner_model(_fields(model)[step].annotation) if step in _fields(model) else None
+            model = (
+                _inner_model(_fields(model)[step].annotation) if step in _fields(model) else None
+            )
     return list(_fields(model))
 
 
@@ -108,7 +110,9 @@ def _sentence(kind: str, fault: Any) -> str:
         shown = f"{len(value)} entries"
     text = f"is {shown}; {expected.format(**context)} is expected"
     if kind == "literal_error" and isinstance(value, str):
-        text += did_you_mean(value, str(context["expected"]).replace("'", "").replace(",", " ").split())
+        text += did_you_mean(
+            value, str(context["expected"]).replace("'", "").replace(",", " ").split()
+        )
     return text
 
 

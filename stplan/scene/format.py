@@ -32,7 +32,9 @@ Point = Annotated[list[Number], Field(min_length=2, max_length=2)]
 Knot = Annotated[list[Number], Field(min_length=3, max_length=3)]
 Ring = Annotated[list[Point], Field(min_length=3, max_length=1_000_000)]
 Rectangle = Annotated[list[Number], Field(min_length=4, max_length=4)]
-Identifier = Annotated[str, Field(min_length=1, max_length=100, pattern=r"^[^\s,;\"'\x00-\x1f\x7f]+$")]
+Identifier = Annotated[
+    str, Field(min_length=1, max_length=100, pattern=r"^[^\s,;\"'\x00-\x1f\x7f]+$")
+]
 AutoNotNegative = Annotated[
     NotNegative | None, BeforeValidator(_auto), _auto_schema({"type": "number", "minimum": 0})
 ]
@@ -51,13 +53,17 @@ def _auto_count(low: int, high: int) -> Any:
 
 
 def _reach(value: Any) -> Any:
-    return {"auto": None, "inf": float("inf")}.get(value, value) if isinstance(value, str) else value
+    return (
+        {"auto": None, "inf": float("inf")}.get(value, value) if isinstance(value, str) else value
+    )
 
 
 BarrierRange = Annotated[
     Annotated[float, Field(gt=0, allow_inf_nan=True)] | None,
     BeforeValidator(_reach),
-    WithJsonSchema({"anyOf": [{"enum": ["auto", "inf"]}, {"type": "number", "exclusiveMinimum": 0}]}),
+    WithJsonSchema(
+        {"anyOf": [{"enum": ["auto", "inf"]}, {"type": "number", "exclusiveMinimum": 0}]}
+    ),
 ]
 
 
@@ -72,7 +78,9 @@ class WeightsFile(_Model):
     acceleration: NotNegative | None = Field(None, description="K^A, default 0")
     arrival: NotNegative | None = Field(None, description="K^T, default 0; needs preferred_time")
     regularity: AutoNotNegative = Field(None, description="K^R, default auto: from the seed's cost")
-    collision: NotNegative | None = Field(None, description="K^C, default 1; a pair of zeros is off")
+    collision: NotNegative | None = Field(
+        None, description="K^C, default 1; a pair of zeros is off"
+    )
     wall: NotNegative | None = Field(None, description="K^M, default 1; 0 switches walls off")
 
 
@@ -135,7 +143,9 @@ class PairFile(_Model):
     between: Annotated[list[Identifier | list[Identifier]], Field(min_length=2, max_length=2)] = (
         Field(description="an id, `all` or a list of ids on either side")
     )
-    distance: Positive | None = Field(None, description="comfort distance in m instead of r_a + r_b")
+    distance: Positive | None = Field(
+        None, description="comfort distance in m instead of r_a + r_b"
+    )
     grouping: NotNegative | None = Field(None, description="K^G, draws the pair together")
     collide: bool | None = Field(None, description="false switches the pair's collision off")
 

@@ -67,9 +67,7 @@ def parse_scene(
             [located(name, tree, by_override, path, text) for path, text in sentences(error)]
         ) from error
     default_name = "scene" if source is None else _file_name(source.stem)
-    scene, faults = compile_scene(
-        file, default_name, source, directory or Path(), tree.locations
-    )
+    scene, faults = compile_scene(file, default_name, source, directory or Path(), tree.locations)
     if faults:
         raise SceneError([located(name, tree, by_override, path, text) for path, text in faults])
     return _with_hash(scene)

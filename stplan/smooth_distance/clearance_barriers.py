@@ -147,7 +147,7 @@ def _smooth_minimum_barriers(
 def smooth_minimum(distance: FloatArray, alpha: float) -> float:
     """-log(sum exp(-alpha D)) / alpha in m, shifted by the least D; never above min(D)."""
     minimum = np.min(distance)
-    return minimum - np.log(np.sum(np.exp(-alpha * (distance - minimum)))) / alpha
+    return float(minimum - np.log(np.sum(np.exp(-alpha * (distance - minimum)))) / alpha)
 
 
 def choose_alpha(

@@ -49,9 +49,7 @@ def measure(positions: FloatArray, points: IntArray) -> Measured:
     result = Measured(
         np.empty(count), np.empty((count, 2)), np.empty((count, 3)), np.empty(count, dtype=np.int64)
     )
-    _measure(
-        positions, points, result.distance, result.parameters, result.normal, result.free
-    )
+    _measure(positions, points, result.distance, result.parameters, result.normal, result.free)
     return result
 
 

@@ -115,7 +115,8 @@ def build_free_space(scene: Scene) -> FreeSpace | None:
         if not shape.is_valid or shape.area == 0:
             raise SceneError(
                 scene.located(
-                    f"map.obstacles[{number}]", "has no area or cuts itself; a simple ring is expected"
+                    f"map.obstacles[{number}]",
+                    "has no area or cuts itself; a simple ring is expected",
                 )
             )
         polygon = shapely.difference(polygon, shape)

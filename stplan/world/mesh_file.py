@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import shapely
@@ -30,17 +31,21 @@ def read_flat_mesh(path: Path, up: str) -> tuple[FloatArray, IntArray]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             loaded = trimesh.load(path, process=False, skip_materials=True)
-            mesh = loaded.to_geometry() if isinstance(loaded, trimesh.Scene) else loaded
+            mesh: Any = loaded.to_geometry() if isinstance(loaded, trimesh.Scene) else loaded
         vertices = np.asarray(mesh.vertices, dtype=np.float64)
         triangles = np.asarray(mesh.faces, dtype=np.int64).reshape(-1, 3)
     except KeyboardInterrupt:
         raise
     except Exception as error:  # a hostile file may raise anything at all inside the reader
-        raise SceneError(f"{path.name} cannot be read as a mesh ({type(error).__name__})") from error
+        raise SceneError(
+            f"{path.name} cannot be read as a mesh ({type(error).__name__})"
+        ) from error
     if not len(triangles):
         raise SceneError(f"{path.name} has no faces")
     if len(vertices) > MOST_VERTICES:
-        raise SceneError(f"{path.name} has {len(vertices)} vertices, at most {MOST_VERTICES} are read")
+        raise SceneError(
+            f"{path.name} has {len(vertices)} vertices, at most {MOST_VERTICES} are read"
+        )
     if triangles.min() < 0 or triangles.max() >= len(vertices):
         raise SceneError(f"{path.name} has faces that refer to vertices it does not have")
     flat = vertices[:, _KEPT_AXES[up]]

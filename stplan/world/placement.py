@@ -80,9 +80,7 @@ def _parts(free_space: FreeSpace, radius: float) -> shapely.STRtree:
 def _connected(parts: shapely.STRtree, stops: np.ndarray) -> bool:
     reach = parts.query(shapely.points(stops), predicate="intersects")
     first = set(reach[1][reach[0] == 0].tolist())
-    return all(
-        bool(first & set(reach[1][reach[0] == k].tolist())) for k in range(1, len(stops))
-    )
+    return all(bool(first & set(reach[1][reach[0] == k].tolist())) for k in range(1, len(stops)))
 
 
 def _why(free_space: FreeSpace, agent: Agent, stops: np.ndarray) -> str:

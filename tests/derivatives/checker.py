@@ -57,9 +57,9 @@ def check_differences(function: Differentiable, knots: FloatArray) -> None:
         shift = np.zeros(knots.size)
         shift[k] = step
         shift = shift.reshape(knots.shape)
-        numeric_gradient[k] = (
-            function.value(knots + shift) - function.value(knots - shift)
-        ) / (2 * step)
+        numeric_gradient[k] = (function.value(knots + shift) - function.value(knots - shift)) / (
+            2 * step
+        )
         numeric_hessian[k] = (
             (function.gradient(knots + shift) - function.gradient(knots - shift)) / (2 * step)
         ).ravel()

@@ -7,6 +7,9 @@ import pkgutil
 
 import numpy as np
 import pytest
+
+import stplan.costs
+from stplan.costs.term import Term
 from tests.derivatives.checker import (
     check_differences,
     check_not_vacuous,
@@ -15,9 +18,6 @@ from tests.derivatives.checker import (
     dense,
 )
 from tests.derivatives.samples import sample_knots, sample_terms
-
-import stplan.costs
-from stplan.costs.term import Term
 
 LABELS = sorted(sample_terms())
 

@@ -6,8 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.derivatives.checker import check_differences, check_not_vacuous, check_taylor_slopes
-from tests.derivatives.samples import EDGES, CORNERS, LAYOUT, OFFSETS, RADII, sample_knots
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.optimize.assembly import Assembly, Setting, build_limits, waypoint_knots
@@ -16,6 +14,8 @@ from stplan.optimize.problem import Problem, Stopwatch
 from stplan.optimize.scales import derive_scales
 from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Agent, PairRule, Scene, SeedingSettings, SolverSettings, Weights
+from tests.derivatives.checker import check_differences, check_not_vacuous, check_taylor_slopes
+from tests.derivatives.samples import CORNERS, EDGES, LAYOUT, OFFSETS, RADII, sample_knots
 
 
 class _Walls:

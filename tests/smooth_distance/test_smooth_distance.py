@@ -110,10 +110,14 @@ def test_touching_is_infinite() -> None:
 def random_rods(rng: np.random.Generator, count: int, num: int):
     """Random walks of `count` agents with `num` segments each."""
     curves = rng.uniform(0, 4, (count, 1, 3)) + np.cumsum(
-        rng.normal(size=(count, num + 1, 3)) + [0, 0, 0.7], axis=1
+        rng.normal(size=(count, num + 1, 3)) + np.array([0, 0, 0.7]), axis=1
     )
     first = (np.arange(count)[:, None] * (num + 1) + np.arange(num)).ravel()
-    return curves.reshape(-1, 3), np.column_stack([first, first + 1]), np.repeat(np.arange(count), num)
+    return (
+        curves.reshape(-1, 3),
+        np.column_stack([first, first + 1]),
+        np.repeat(np.arange(count), num),
+    )
 
 
 @pytest.mark.parametrize("rng_seed", range(5))
@@ -154,9 +158,7 @@ def test_boundary_grid_misses_no_near_edge(rng_seed: int) -> None:
     found = set(zip(segment.tolist(), edge.tolist(), strict=True))
     for k in range(40):
         for e in range(60):
-            gap = squared_distance(
-                *starts[k], 0, *ends[k], 0, *edges[e, :2], 0, *edges[e, 2:], 0
-            )
+            gap = squared_distance(*starts[k], 0, *ends[k], 0, *edges[e, :2], 0, *edges[e, 2:], 0)
             if gap < reach[k] ** 2:
                 assert (k, e) in found
 
