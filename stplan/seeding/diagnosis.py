@@ -1,0 +1,187 @@
+"""Why no clear curves were found: proven reasons, or where and when the best attempt still touches."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+import shapely
+
+from stplan.arrays import FloatArray
+from stplan.seeding.layered import exact_points
+from stplan.seeding.rod_kernels import rod_distance
+from stplan.seeding.rods import RodProblem
+from stplan.smooth_distance.segments import closest_parameters
+
+if TYPE_CHECKING:
+    from stplan.world import FreeSpace
+
+Kind = Literal["start", "goal", "not connected", "roadmap", "layers", "touching"]
+
+# Erosion uses slightly less than the radius, so that rounded corners never prove too much.
+EROSION = 1.0 - 1e-3
+# So many touching pairs are described.
+MOST_PAIRS = 5
+
+
+@dataclass(frozen=True)
+class Reason:
+    """One reason why there are no clear curves.
+
+    Attributes:
+        kind: what is wrong.
+        agents: whom it concerns (indices).
+        proven: no clear curves exist; else only this search found none.
+        sentence: the same for people.
+        place: (x, y) in m, where there is one.
+        times: first and last time in s, where there are any.
+    """
+
+    kind: Kind
+    agents: tuple[int, ...]
+    proven: bool
+    sentence: str
+    place: tuple[float, float] | None = None
+    times: tuple[float, float] | None = None
+
+
+def hopeless(problem: RodProblem, free_space: FreeSpace | None) -> tuple[Reason, ...]:
+    """Proven reasons: ends that touch, goals that are not connected to starts."""
+    reasons = [*_touching_ends(problem)]
+    for agent in not_connected(problem, free_space, problem.radii):
+        radius = float(problem.radii[agent])
+        sentence = (
+            f"{problem.agent_ids[agent]} cannot get from start to goal through its waypoints: "
+            f"no way keeps its radius of {radius:g} m from the walls"
+        )
+        place = (float(problem.starts[agent, 0]), float(problem.starts[agent, 1]))
+        reasons.append(Reason("not connected", (agent,), True, sentence, place))
+    return tuple(reasons)
+
+
+def not_connected(
+    problem: RodProblem, free_space: FreeSpace | None, radii: FloatArray
+) -> list[int]:
+    """Agents whose stops lie in different parts of the free space eroded by `radii` (A,)."""
+    if free_space is None:
+        return []
+    parts: dict[float, FloatArray] = {}
+    found = []
+    for agent, stops in enumerate(exact_points(problem)):
+        if len(stops) == 0 or not problem.heeds_walls[agent]:
+            continue
+        radius = float(radii[agent]) * EROSION
+        if radius not in parts:
+            parts[radius] = np.asarray(shapely.get_parts(free_space.polygon.buffer(-radius)))
+        if not _in_one_part(parts[radius], stops, 0.01 * radius):
+            found.append(agent)
+    return found
+
+
+def _in_one_part(parts: FloatArray, stops: FloatArray, tolerance: float) -> bool:
+    """Whether one of `parts` holds all `stops` (n, 2)."""
+    points = shapely.points(stops)
+    return any(bool((shapely.distance(part, points) <= tolerance).all()) for part in parts)
+
+
+def _touching_ends(problem: RodProblem) -> list[Reason]:
+    """Starts at the same time, and goals that are stayed on, closer than R; starts on given paths."""
+    scale = np.array([1.0, 1.0, problem.time_scale])
+    starts = np.column_stack([problem.starts, problem.start_times]) * scale
+    reasons = []
+    for a in range(problem.num_agents):
+        for b in range(a + 1, problem.num_agents):
+            if not problem.collides[a, b]:
+                continue
+            limit = float(problem.distance[a, b])
+            names = f"{problem.agent_ids[a]} and {problem.agent_ids[b]}"
+            gap = _end_distance(problem, starts, a, b, limit)
+            if gap <= limit:
+                sentence = f"{names} start {gap:.4g} m apart in space-time, not over {limit:.4g} m"
+                place = (float(starts[a, 0]), float(starts[a, 1]))
+                reasons.append(Reason("start", (a, b), True, sentence, place))
+            gap = float(np.hypot(*(problem.goals[a] - problem.goals[b])))
+            if problem.stays[a] and problem.stays[b] and gap <= limit:
+                sentence = f"{names} stay on goals {gap:.4g} m apart, not over {limit:.4g} m"
+                place = (float(problem.goals[a, 0]), float(problem.goals[a, 1]))
+                reasons.append(Reason("goal", (a, b), True, sentence, place))
+    return reasons
+
+
+def _end_distance(problem: RodProblem, starts: FloatArray, a: int, b: int, limit: float) -> float:
+    """Distance of what cannot move of two agents' beginnings: start points, or given paths; m."""
+    first, second = problem.paths[a], problem.paths[b]
+    rods = [
+        np.array([starts[agent], starts[agent]]) if path is None else problem.rod(agent, path)
+        for agent, path in ((a, first), (b, second))
+    ]
+    return rod_distance(rods[0], rods[1], 1.5 * limit)
+
+
+def stranded(problem: RodProblem, agents: Sequence[int], margin: float) -> tuple[Reason, ...]:
+    """The roadmap of a margin does not connect `agents`."""
+    return tuple(
+        Reason(
+            "roadmap",
+            (agent,),
+            False,
+            f"{problem.agent_ids[agent]}: the roadmap has no way from start to goal "
+            f"that keeps {margin:g} times the radius from the walls",
+        )
+        for agent in agents
+    )
+
+
+def late(problem: RodProblem, agents: Sequence[int], layers: int) -> tuple[Reason, ...]:
+    """`layers` time layers are too few for `agents`."""
+    return tuple(
+        Reason(
+            "layers",
+            (agent,),
+            False,
+            f"{problem.agent_ids[agent]}: {layers} time layers are too few for its way; "
+            "raise seeding.layers",
+        )
+        for agent in agents
+    )
+
+
+def stuck(
+    problem: RodProblem, curves: Sequence[FloatArray], pairs: Sequence[tuple[int, int]]
+) -> tuple[Reason, ...]:
+    """Where and when the best curves found still touch."""
+    reasons = []
+    for a, b in pairs[:MOST_PAIRS]:
+        place, times = _closest(problem.rod(a, curves[a]), problem.rod(b, curves[b]))
+        times = (times[0] / problem.time_scale, times[1] / problem.time_scale)
+        sentence = (
+            f"{problem.agent_ids[a]} and {problem.agent_ids[b]} still block each other near "
+            f"({place[0]:.2f}, {place[1]:.2f}) at {times[0]:.1f} to {times[1]:.1f} s"
+        )
+        reasons.append(Reason("touching", (a, b), False, sentence, place, times))
+    if len(pairs) > MOST_PAIRS:
+        others = tuple(sorted({agent for pair in pairs for agent in pair}))
+        sentence = f"{len(pairs)} pairs of {len(others)} agents touch in the best curves found"
+        reasons.append(Reason("touching", others, False, sentence))
+    return tuple(reasons)
+
+
+def _closest(
+    first: FloatArray, second: FloatArray
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Plane point between the closest points of two rods, and their two heights in order; m."""
+    least = np.inf
+    place, heights = (0.0, 0.0), (0.0, 0.0)
+    for p, q in pairwise(first):
+        for u, v in pairwise(second):
+            s, t, squared = closest_parameters(*p, *q, *u, *v)
+            if squared < least:
+                least = squared
+                near, far = p + s * (q - p), u + t * (v - u)
+                middle = (near + far) / 2
+                place = (float(middle[0]), float(middle[1]))
+                heights = (float(min(near[2], far[2])), float(max(near[2], far[2])))
+    return place, heights

@@ -1,0 +1,219 @@
+"""Seeding by search: roadmap, reservations and a schedule of planners, cheap ones first.
+
+A stage is a margin and a number of layers; on each, prioritised planning, priority-based search
+and the repair of neighbourhoods get counted efforts. Stages run from the margin asked for to
+ever smaller ones, from few layers to many (a queue at a door needs more of them than the way is
+long), and again with more effort until one succeeds or the time limit is hit. Nothing but that
+limit depends on the clock.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stplan.arrays import FloatArray
+from stplan.scene.model import SeedingSettings
+from stplan.seeding.diagnosis import (
+    Reason,
+    hopeless,
+    late,
+    not_connected,
+    stranded,
+    stuck,
+)
+from stplan.seeding.layered import (
+    Journeys,
+    LayeredPlanner,
+    automatic_layers,
+    exact_points,
+)
+from stplan.seeding.prioritized import plan_prioritized
+from stplan.seeding.priority_based import plan_priority_based
+from stplan.seeding.repair import own_ways, repair
+from stplan.seeding.roadmap import build_roadmap
+from stplan.seeding.rods import Requirement, RodProblem, requirement, verify
+
+if TYPE_CHECKING:
+    from stplan.world import FreeSpace
+
+Progress = Callable[[str], None]
+
+# Margins tried where the one asked for leaves no way.
+SMALLER_MARGINS = (1.02, 1.005, 1.001)
+# Priority-based search grows too slow beyond so many agents.
+MOST_PRIORITY_BASED = 40
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One step of the schedule: index of the margin, multiple of the layers, effort of planners."""
+
+    level: int
+    layers: int
+    effort: int
+
+
+@dataclass(frozen=True)
+class SearchResult:
+    """What the search found.
+
+    Attributes:
+        curves: one clear (n, 3) curve an agent, or None.
+        part: the planner that found them, "" if none did.
+        margin: the margin they hold (what fixed ends leave of it).
+        tries: orders, nodes and neighbourhoods tried in all.
+        diagnosis: why nothing was found; empty where something was.
+    """
+
+    curves: list[FloatArray] | None
+    part: str
+    margin: float
+    tries: int
+    diagnosis: tuple[Reason, ...]
+
+
+class _Level:
+    """Everything that depends on the margin alone."""
+
+    def __init__(
+        self, problem: RodProblem, free_space: FreeSpace | None, margin: float, refine: float
+    ) -> None:
+        self.margin = margin
+        self.required: Requirement = requirement(problem, margin)
+        self.movers = [int(agent) for agent in np.flatnonzero(~problem.fixed)]
+        heeding = problem.heeds_walls[self.movers]
+        radii = self.required.walls[self.movers]
+        roadmap = build_roadmap(
+            free_space,
+            np.vstack(exact_points(problem)),
+            radii[heeding] if heeding.any() else radii,
+            ignores_walls=not heeding.all(),
+            refine=refine,
+            around=4.0 * float(problem.distance.max()),
+        )
+        self.graph = roadmap.graph
+        self.journeys = Journeys(problem, roadmap.graph, roadmap.place_of, self.required)
+
+
+def schedule(num_margins: int) -> list[Stage]:
+    """Stages in order; the last ones have most effort and repeat what failed on more layers."""
+    stages = [Stage(0, 1, 1), Stage(0, 2, 1), Stage(0, 4, 2)]
+    stages += [Stage(level, layers, 1) for level in range(1, num_margins) for layers in (1, 3)]
+    stages += [
+        Stage(level, layers, effort)
+        for layers, effort in ((3, 4), (6, 8), (4, 32), (8, 64), (12, 256))
+        for level in range(num_margins)
+    ]
+    return stages
+
+
+def search_curves(
+    problem: RodProblem,
+    free_space: FreeSpace | None,
+    *,
+    settings: SeedingSettings,
+    progress: Progress | None = None,
+) -> SearchResult:
+    """Clear curves for every agent by search, or why there are none.
+
+    Uses `margin`, `layers`, `time_limit` and `rng_seed` of `settings`.
+    """
+    say = progress or (lambda line: None)
+    deadline = time.perf_counter() + settings.time_limit
+
+    def stopped() -> bool:
+        return time.perf_counter() > deadline
+
+    given = [path for path in problem.paths if path is not None]
+    if len(given) == problem.num_agents:
+        return SearchResult(given, "given paths", settings.margin, 0, ())
+    reasons = hopeless(problem, free_space)
+    if reasons:
+        return SearchResult(None, "", settings.margin, 0, reasons)
+    margins = [settings.margin, *(m for m in SMALLER_MARGINS if m < settings.margin)]
+    levels: list[_Level | None] = [None] * len(margins)
+    tries = 0
+    for number, stage in enumerate(schedule(len(margins))):
+        if number > 0 and stopped():
+            break
+        level = levels[stage.level]
+        if level is None:
+            level = _connected_level(problem, free_space, margins[stage.level])
+            levels[stage.level] = level
+        if level.journeys.stranded():
+            reasons = reasons or stranded(problem, level.journeys.stranded(), level.margin)
+            continue
+        count = settings.layers or automatic_layers(problem, level.journeys, level.movers)
+        planner = LayeredPlanner(
+            problem, level.graph, level.journeys, level.required, count * stage.layers
+        )
+        if planner.too_late():
+            reasons = reasons or late(problem, planner.too_late(), planner.grid.count)
+            continue
+        say(
+            f"searching: margin {level.margin:g}, {planner.graph.num_vertices} vertices, "
+            f"{planner.grid.count} layers"
+        )
+        rng = np.random.default_rng([settings.rng_seed, number])
+        attempt = _run_stage(planner, stage, rng, stopped)
+        tries += attempt.tries
+        if attempt.curves is not None and not verify(problem, attempt.curves, planner.required):
+            return SearchResult(attempt.curves, attempt.part, level.margin, tries, ())
+        reasons = attempt.reasons or reasons
+    return SearchResult(None, "", settings.margin, tries, reasons)
+
+
+def _connected_level(problem: RodProblem, free_space: FreeSpace | None, margin: float) -> _Level:
+    """The roadmap of a margin; finer where the first one misses ways that the free space has."""
+    level = _Level(problem, free_space, margin, 1.0)
+    if level.journeys.stranded() and not_connected(problem, free_space, level.required.walls):
+        return level
+    for refine in (2.0, 4.0):
+        if not level.journeys.stranded():
+            break
+        level = _Level(problem, free_space, margin, refine)
+    return level
+
+
+@dataclass(frozen=True)
+class _Attempt:
+    """What one stage brought."""
+
+    curves: list[FloatArray] | None
+    part: str
+    tries: int
+    reasons: tuple[Reason, ...]
+
+
+def _run_stage(
+    planner: LayeredPlanner,
+    stage: Stage,
+    rng: np.random.Generator,
+    stopped: Callable[[], bool],
+) -> _Attempt:
+    """One stage: three planners, each with an effort that grows with the stage's."""
+    count = len(planner.movers)
+    ordered = plan_prioritized(planner, rng, stage.effort * (10 + min(count, 20)), stopped)
+    tries = ordered.tries
+    if ordered.curves is not None:
+        return _Attempt(ordered.curves, "prioritized", tries, ())
+    if count <= MOST_PRIORITY_BASED:
+        tree = plan_priority_based(
+            planner, rng, 4 * stage.effort, 20 + 2 * count * stage.effort, stopped
+        )
+        tries += tree.nodes
+        if tree.curves is not None:
+            return _Attempt(tree.curves, "priority-based", tries, ())
+    ways = own_ways(planner)
+    if ways is None:
+        return _Attempt(None, "", tries, ())
+    mended = repair(planner, ways, rng, stage.effort * (20 + 2 * count), stopped)
+    tries += mended.iterations
+    if mended.conflicts == 0:
+        return _Attempt(mended.curves, "repair", tries, ())
+    return _Attempt(None, "", tries, stuck(planner.problem, mended.curves, mended.touching))
