@@ -166,3 +166,31 @@ def _fill_hops(
                 hops[source] = hops[vertex] + 1
                 queue[tail] = source
                 tail += 1
+
+
+@kernel
+def shortest_way(
+    start: int,
+    targets: IntArray,
+    hops: IntArray,
+    free: BoolArray,
+    out_offsets: IntArray,
+    out_moves: IntArray,
+    move_to: IntArray,
+) -> IntArray:
+    """Vertices of one way of fewest hops through `targets` (P,); `hops` (P, V) are still to go."""
+    last = len(targets) - 1
+    way = np.empty(hops[0, start] + 1, np.int64)
+    way[0] = start
+    vertex = start
+    leg = 0
+    for step in range(1, len(way)):
+        while leg < last and vertex == targets[leg]:
+            leg += 1
+        for place in range(out_offsets[vertex], out_offsets[vertex + 1]):
+            move = out_moves[place]
+            if free[move] and hops[leg, move_to[move]] < hops[leg, vertex]:
+                vertex = move_to[move]
+                break
+        way[step] = vertex
+    return way

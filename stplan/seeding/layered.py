@@ -7,13 +7,12 @@ over orders and neighbourhoods are built on this.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.seeding.dijkstra import cheapest_path
-from stplan.seeding.graph import UNREACHABLE, Graph
+from stplan.seeding.graph import UNREACHABLE, Graph, shortest_way
 from stplan.seeding.reservations import (
     MEMORY_LIMIT,
     BlockArray,
@@ -30,6 +29,9 @@ Blocks = tuple[BlockArray, ...]
 MAX_CLASSES = 16
 LEAST_LAYERS = 16
 MOST_LAYERS = 4000
+# Agents that queue at one place need more layers than the way is long: one by one they pass.
+LAYERS_IN_QUEUE = 5
+SHORT_QUEUE = 6
 NO_BLOCKS: BlockArray = np.empty((0, 3), dtype=np.int32)
 
 
@@ -280,11 +282,33 @@ def most_layers(graph: Graph, num_classes: int) -> int:
     return max(2, min(MOST_LAYERS, MEMORY_LIMIT // (table_bytes(graph, 1) * num_classes)))
 
 
-def automatic_layers(problem: RodProblem, journeys: Journeys, movers: Iterable[int]) -> int:
-    """Twice the hops of the longest way, counted where the time for it is shortest."""
+def automatic_layers(problem: RodProblem, graph: Graph, journeys: Journeys) -> int:
+    """Twice the hops of the longest way, and some for each agent that has to queue.
+
+    Ways are counted where the time for them is shortest. The queue is that of the place which most
+    shortest ways pass.
+    """
     span = float(problem.max_times.max() - problem.start_times.min())
-    most = LEAST_LAYERS
-    for agent in movers:
-        window = float(problem.max_times[agent] - problem.start_times[agent])
-        most = max(most, math.ceil(2 * int(journeys.distance[agent]) * span / window))
-    return most
+    movers = np.flatnonzero(~problem.fixed)
+    windows = (problem.max_times - problem.start_times)[movers]
+    needed = 2.0 * journeys.distance[movers] * span / windows
+    queue = busiest_place(problem, graph, journeys)
+    longest = max(LEAST_LAYERS, math.ceil(float(needed.max(initial=0.0))))
+    return longest + LAYERS_IN_QUEUE * max(queue - SHORT_QUEUE, 0)
+
+
+def busiest_place(problem: RodProblem, graph: Graph, journeys: Journeys) -> int:
+    """How many agents' shortest ways come through the busiest square of two radii."""
+    cell = 2.0 * float(problem.radii.min())
+    squares = np.floor(graph.vertices / cell).astype(np.int64)
+    _, square_of = np.unique(squares, axis=0, return_inverse=True)
+    square_of = np.ravel(square_of).astype(np.int64)
+    visits = np.zeros(int(square_of.max()) + 1, dtype=np.int64)
+    for agent in np.flatnonzero(~problem.fixed):
+        if journeys.distance[agent] < UNREACHABLE:
+            way = shortest_way(
+                journeys.start[agent], journeys.targets[agent], journeys.hops[agent],
+                journeys.free[agent], graph.out_offsets, graph.out_moves, graph.move_to,
+            )  # fmt: skip
+            visits[np.unique(square_of[way])] += 1
+    return int(visits.max())

@@ -1,19 +1,35 @@
-"""Initial curves by a portfolio: relaxation in the open, search in tight spaces, each falling back on the other."""
+"""Initial curves by a portfolio of two families, each falling back on the other.
+
+In the open, relaxation: straight rods pushed apart, no search. In tight spaces, search on a roadmap.
+`method: auto` starts with relaxation where every agent's straight way is clear of the walls and with
+search elsewhere. Whatever found them, curves are polished, given their knots, and proven clear.
+"""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
+
+import numpy as np
 
 from stplan.arrays import FloatArray
 from stplan.errors import SeedingError
 from stplan.scene.model import Scene
 from stplan.seeding.relaxation import relax
-from stplan.seeding.rods import RodProblem, verify
+from stplan.seeding.resampling import resample_curve
+from stplan.seeding.rods import RodProblem, verify, wall_clearance
+from stplan.seeding.search import search_curves
 from stplan.world import FreeSpace
 from stplan.world_lines import WorldLines
+
+Progress = Callable[[str], None]
+
+# Knots of a string while it relaxes.
+RELAXATION_KNOTS = 40
+# Sweeps before search takes over, where it may.
+PATIENT_SWEEPS = 400
+MOST_SWEEPS = 4000
 
 
 @dataclass(frozen=True)
@@ -30,14 +46,102 @@ class Seed:
     record: dict[str, Any] = field(default_factory=dict)
 
 
-def find_seed(
-    scene: Scene, free_space: FreeSpace | None, *, progress: Callable[[str], None]
-) -> Seed:
+@dataclass
+class _Attempts:
+    """What has been tried so far."""
+
+    curves: list[FloatArray] | None = None
+    found_by: str = ""
+    record: dict[str, Any] = field(default_factory=dict)
+    reasons: list[str] = field(default_factory=list)
+
+
+def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress) -> Seed:
+    """Clear initial curves for every agent of `scene`.
+
+    Raises:
+        SeedingError: none were found; the message says whom it concerns, and whether that is proven.
+    """
     problem = RodProblem.from_scene(scene, free_space)
-    begin = time.perf_counter()
-    knots = scene.solver.knots or 40
-    r = relax(problem, num_knots=knots, margin=scene.seeding.margin, time_limit=scene.seeding.time_limit, rng_seed=scene.seeding.rng_seed)
-    if not r.solved:
-        raise SeedingError(f"stuck {r.stuck}")
-    progress(f"seed by relaxation, {r.sweeps} sweeps, {time.perf_counter()-begin:.2f} s")
-    return Seed(WorldLines.from_curves(problem.agent_ids, r.curves), "relaxation", {"sweeps": r.sweeps})
+    attempts = _Attempts()
+    for part in _parts(scene, problem):
+        if part == "relaxation":
+            _relax(scene, problem, attempts, progress)
+        else:
+            _search(scene, problem, free_space, attempts, progress)
+        if attempts.curves is not None:
+            break
+    if attempts.curves is None:
+        raise SeedingError("no collision-free initial curves: " + "\n  ".join(attempts.reasons))
+    curves = [resample_curve(curve, scene.solver.knots or 40) for curve in attempts.curves]
+    faults = verify(problem, curves)
+    if faults:
+        raise SeedingError("initial curves are not clear: " + "; ".join(faults))
+    progress(f"seed found by {attempts.found_by}")
+    return Seed(
+        WorldLines.from_curves(problem.agent_ids, curves), attempts.found_by, attempts.record
+    )
+
+
+def _parts(scene: Scene, problem: RodProblem) -> list[str]:
+    """Parts of the portfolio in the order they are tried."""
+    method = scene.seeding.method
+    if method != "auto":
+        return [method]
+    return ["relaxation", "search"] if _straight_ways_are_clear(problem) else ["search"]
+
+
+def _straight_ways_are_clear(problem: RodProblem) -> bool:
+    """Whether walls leave every agent its straight way through its waypoints."""
+    for agent in range(problem.num_agents):
+        stops = np.vstack(
+            [problem.starts[agent], problem.waypoints[agent], problem.goals[agent]]
+        )
+        way = np.column_stack([stops, np.arange(len(stops))])
+        if wall_clearance(problem, agent, way) <= problem.radii[agent]:
+            return False
+    return True
+
+
+def _relax(scene: Scene, problem: RodProblem, attempts: _Attempts, progress: Progress) -> None:
+    progress("seeding by relaxation")
+    settings = scene.seeding
+    result = relax(
+        problem,
+        num_knots=scene.solver.knots or RELAXATION_KNOTS,
+        margin=settings.margin,
+        time_limit=settings.time_limit,
+        rng_seed=settings.rng_seed,
+        max_sweeps=PATIENT_SWEEPS if settings.method == "auto" else MOST_SWEEPS,
+    )
+    if result.solved:
+        attempts.curves = result.curves
+        attempts.found_by = "relaxation"
+        attempts.record = {"sweeps": result.sweeps, "retensions": result.retensions}
+        return
+    names = ", ".join(
+        f"{problem.agent_ids[a]} and {problem.agent_ids[b]}" for a, b in result.stuck[:5]
+    )
+    attempts.reasons.append(f"relaxation left {len(result.stuck)} pairs touching: {names}")
+
+
+def _search(
+    scene: Scene,
+    problem: RodProblem,
+    free_space: FreeSpace | None,
+    attempts: _Attempts,
+    progress: Progress,
+) -> None:
+    result = search_curves(problem, free_space, settings=scene.seeding, progress=progress)
+    if result.curves is not None:
+        attempts.curves = result.curves
+        attempts.found_by = f"search ({result.part})"
+        attempts.record = {"margin": result.margin, "tries": result.tries}
+        return
+    for reason in result.diagnosis:
+        proof = "proven" if reason.proven else "not found within the limit"
+        attempts.reasons.append(f"{reason.sentence} ({proof})")
+    if not result.diagnosis:
+        attempts.reasons.append(
+            f"not found within {scene.seeding.time_limit:g} s; raise seeding.time_limit to go on"
+        )

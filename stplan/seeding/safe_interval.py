@@ -212,9 +212,9 @@ def _search(
         if states[state, _ARRIVAL] != arrival:
             continue
         expansions += 1
-        vertex = np.int64(states[state, _VERTEX])
-        leg = np.int64(states[state, _LEG])
-        until = np.int64(states[state, _LAST])
+        vertex = int(states[state, _VERTEX])
+        leg = int(states[state, _LEG])
+        until = int(states[state, _LAST])
         if leg == num_legs - 1 and vertex == targets[leg] and (not stays or until == num_layers):
             return _walk_back(state, first_layer, states), expansions
         for place in range(out_offsets[vertex], out_offsets[vertex + 1]):
@@ -246,5 +246,5 @@ def _search(
                     _push(heap, size, key, found, layer + 1)
                     size += 1
                 # Leaving later is of use only to reach the next interval of the other vertex.
-                layer = max(layer + 1, np.int64(states[found, _LAST]))
+                layer = max(layer + 1, int(states[found, _LAST]))
     return nothing, expansions

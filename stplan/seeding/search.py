@@ -45,7 +45,8 @@ Progress = Callable[[str], None]
 
 # Margins tried where the one asked for leaves no way.
 SMALLER_MARGINS = (1.02, 1.005, 1.001)
-# Priority-based search grows too slow beyond so many agents.
+# Priority-based search grows slow with the number of agents; beyond a few it comes late.
+FEW_PRIORITY_BASED = 12
 MOST_PRIORITY_BASED = 40
 
 
@@ -148,7 +149,7 @@ def search_curves(
         if level.journeys.stranded():
             reasons = reasons or stranded(problem, level.journeys.stranded(), level.margin)
             continue
-        count = settings.layers or automatic_layers(problem, level.journeys, level.movers)
+        count = settings.layers or automatic_layers(problem, level.graph, level.journeys)
         planner = LayeredPlanner(
             problem, level.graph, level.journeys, level.required, count * stage.layers
         )
@@ -202,7 +203,7 @@ def _run_stage(
     tries = ordered.tries
     if ordered.curves is not None:
         return _Attempt(ordered.curves, "prioritized", tries, ())
-    if count <= MOST_PRIORITY_BASED:
+    if count <= (MOST_PRIORITY_BASED if stage.effort > 2 else FEW_PRIORITY_BASED):
         tree = plan_priority_based(
             planner, rng, 4 * stage.effort, 20 + 2 * count * stage.effort, stopped
         )

@@ -1,0 +1,292 @@
+"""Compiled moves that make clear curves cheaper; every accepted one is proven clear.
+
+A constant-speed chord never costs more kinetic energy than the piece it replaces, a knot on the
+chord of its neighbours is where energy is least, and an even speed costs least along a given path.
+All moves change one agent with everybody else held still, in (x, y, c t).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.compiled import kernel
+from stplan.seeding.rod_field import RodField, enter, segment_clear
+
+# The greedy shortcut gives up on a knot after so many blocked chords in a row.
+LOOK_AHEAD = 8
+# A knot moved in time keeps at least this part of its neighbours' span on either side.
+LEAST_PART = 0.02
+# Shortcuts span up to this part of a curve's duration.
+LONGEST_SHORTCUT = 0.6
+
+
+@kernel
+def polish_round(
+    field: RodField,
+    order: IntArray,
+    greedy: bool,
+    draws: FloatArray,
+    arrivals: FloatArray,
+) -> None:
+    """One round over the agents of `order`.
+
+    `draws` (A, tries, 2) are uniform in [0, 1); `arrivals` (A,) is the c t towards which an
+    agent's arrival is put off.
+    """
+    for agent in order:
+        if greedy:
+            _drop_knots(field, agent)
+        for k in range(draws.shape[1]):
+            _shortcut(field, agent, draws[agent, k, 0], draws[agent, k, 1])
+        for i in range(1, field.counts[agent] - 1):
+            if not field.pinned[agent, i]:
+                _move_in_place(field, agent, i)
+            _move_in_time(field, agent, i)
+        _arrive_later(field, agent, arrivals[agent])
+
+
+@kernel
+def _drop_knots(field: RodField, agent: int) -> None:
+    """From every kept knot walk straight to the furthest one that can be reached clear."""
+    knots = field.knots[agent]
+    pinned = field.pinned[agent]
+    count = field.counts[agent]
+    kept = 0
+    i = 0
+    while i < count - 1:
+        best = i + 1
+        for j in range(i + 2, count):
+            if pinned[j - 1] or j - best > LOOK_AHEAD:
+                break
+            if segment_clear(field, agent, knots[i], knots[j]):
+                best = j
+        if best > i + 1:
+            enter(field, agent, knots[i], knots[best])
+        kept += 1
+        # Knots move down only, so those still to be looked at are untouched.
+        knots[kept] = knots[best]
+        pinned[kept] = pinned[best]
+        if kept < best:
+            # The next chord starts from the knot's old place, which holds the same values.
+            knots[best] = knots[kept]
+        i = best
+    field.counts[agent] = kept + 1
+
+
+@kernel
+def piece_at(field: RodField, agent: int, height: float, point: FloatArray) -> int:
+    """Fill `point` (3,) with the curve's place at c t = `height`; returns the segment's index."""
+    knots = field.knots[agent]
+    low = 0
+    high = field.counts[agent] - 2
+    while low < high:
+        middle = (low + high) // 2
+        if knots[middle + 1, 2] < height:
+            low = middle + 1
+        else:
+            high = middle
+    part = (height - knots[low, 2]) / (knots[low + 1, 2] - knots[low, 2])
+    part = min(max(part, 0.0), 1.0)
+    for x in range(2):
+        point[x] = knots[low, x] + part * (knots[low + 1, x] - knots[low, x])
+    point[2] = height
+    return low
+
+
+@kernel
+def _shortcut(field: RodField, agent: int, where: float, how_long: float) -> None:
+    """Replace a random piece by its constant-speed chord where that is clear."""
+    count = field.counts[agent]
+    knots = field.knots[agent]
+    pinned = field.pinned[agent]
+    if count < 3 or count + 2 > knots.shape[0]:
+        return
+    low, high = knots[0, 2], knots[count - 1, 2]
+    middle = low + (high - low) * where
+    half = 0.5 * (high - low) * LONGEST_SHORTCUT * how_long**1.5
+    begin = np.empty(3)
+    end = np.empty(3)
+    i = piece_at(field, agent, max(low, middle - half), begin)
+    j = piece_at(field, agent, min(high, middle + half), end)
+    if j <= i:
+        return
+    for k in range(i + 1, j + 1):
+        if pinned[k]:
+            return
+    # Ends that all but coincide with a knot are moved onto it: no slivers.
+    sliver = 1e-3 * (high - low) / count
+    if begin[2] - knots[i, 2] < sliver:
+        begin[:] = knots[i]
+    if knots[j + 1, 2] - end[2] < sliver:
+        end[:] = knots[j + 1]
+    if end[2] <= begin[2] or not segment_clear(field, agent, begin, end):
+        return
+    rest = knots[j + 1 : count].copy()
+    rest_pinned = pinned[j + 1 : count].copy()
+    at = i + 1
+    if begin[2] > knots[i, 2]:
+        knots[at] = begin
+        pinned[at] = False
+        at += 1
+    if end[2] < rest[0, 2]:
+        knots[at] = end
+        pinned[at] = False
+        at += 1
+    knots[at : at + len(rest)] = rest
+    pinned[at : at + len(rest)] = rest_pinned
+    field.counts[agent] = at + len(rest)
+    enter(field, agent, begin, end)
+
+
+@kernel
+def _try_knot(field: RodField, agent: int, i: int, moved: FloatArray) -> bool:
+    """Put knot i at `moved` (3,) if both its segments are clear there."""
+    before, after = field.knots[agent, i - 1], field.knots[agent, i + 1]
+    if not segment_clear(field, agent, before, moved):
+        return False
+    if not segment_clear(field, agent, moved, after):
+        return False
+    enter(field, agent, before, moved)
+    enter(field, agent, moved, after)
+    field.knots[agent, i] = moved
+    return True
+
+
+@kernel
+def _move_in_place(field: RodField, agent: int, i: int) -> None:
+    """Move a knot towards the constant-speed chord of its neighbours, as far as is clear."""
+    before, knot, after = (
+        field.knots[agent, i - 1], field.knots[agent, i].copy(), field.knots[agent, i + 1],
+    )  # fmt: skip
+    part = (knot[2] - before[2]) / (after[2] - before[2])
+    moved = knot.copy()
+    step = 1.0
+    for _ in range(5):
+        for x in range(2):
+            aim = before[x] + part * (after[x] - before[x])
+            moved[x] = knot[x] + step * (aim - knot[x])
+        if moved[0] == knot[0] and moved[1] == knot[1]:
+            return
+        if _try_knot(field, agent, i, moved):
+            return
+        step *= 0.5
+
+
+@kernel
+def _move_in_time(field: RodField, agent: int, i: int) -> None:
+    """Shift a knot in time towards equal speed on both sides, as far as is clear."""
+    before, knot, after = (
+        field.knots[agent, i - 1], field.knots[agent, i].copy(), field.knots[agent, i + 1],
+    )  # fmt: skip
+    first = np.hypot(knot[0] - before[0], knot[1] - before[1])
+    second = np.hypot(after[0] - knot[0], after[1] - knot[1])
+    span = after[2] - before[2]
+    part = first / max(first + second, 1e-12)
+    part = min(max(part, LEAST_PART), 1.0 - LEAST_PART)
+    moved = knot.copy()
+    step = 0.9
+    for _ in range(5):
+        moved[2] = knot[2] + step * (before[2] + part * span - knot[2])
+        if moved[2] == knot[2]:
+            return
+        if _try_knot(field, agent, i, moved):
+            return
+        step *= 0.5
+
+
+@kernel
+def _arrive_later(field: RodField, agent: int, arrival: float) -> None:
+    """Put off the arrival towards `arrival`: slower is cheaper, and a tail only gets shorter."""
+    last = field.counts[agent] - 1
+    knot = field.knots[agent, last]
+    if knot[2] >= arrival:
+        return
+    moved = knot.copy()
+    step = 1.0
+    for _ in range(6):
+        moved[2] = knot[2] + step * (arrival - knot[2])
+        if step == 1.0:
+            moved[2] = arrival
+        if segment_clear(field, agent, field.knots[agent, last - 1], moved):
+            enter(field, agent, field.knots[agent, last - 1], moved)
+            field.knots[agent, last, 2] = moved[2]
+            return
+        step *= 0.4
+
+
+@kernel
+def even_knots(
+    field: RodField, agent: int, num_knots: int, shortest: float, longest: float
+) -> bool:
+    """Give a curve exactly `num_knots` knots of even durations, if that can be done clear.
+
+    Knots are chosen from the old ones and from points in between, at durations between `shortest`
+    and `longest` times the mean, by dynamic programming on the sum of squared deviations from the
+    mean; chords that are no piece of the old curve are asked for clearance. Knots on waypoints
+    stay. Returns whether there was a way; without one the curve is left as it is.
+    """
+    mean = (field.knots[agent, field.counts[agent] - 1, 2] - field.knots[agent, 0, 2]) / (
+        num_knots - 1
+    )
+    points, pieces, fixed = _candidates(field, agent, 0.25 * mean)
+    count = len(points)
+    cost = np.full((num_knots, count), np.inf)
+    previous = np.full((num_knots, count), -1)
+    cost[0, 0] = 0.0
+    for j in range(1, count):
+        i = j - 1
+        while i >= 0 and points[j, 2] - points[i, 2] <= longest * mean:
+            duration = (points[j, 2] - points[i, 2]) / mean
+            if duration >= shortest and np.isfinite(cost[:, i].min()):
+                # Both on one segment of the old curve: clear as it is.
+                if pieces[j] <= pieces[i] + 1 or segment_clear(field, agent, points[i], points[j]):
+                    for k in range(num_knots - 1):
+                        total = cost[k, i] + (duration - 1.0) ** 2
+                        if total < cost[k + 1, j]:
+                            cost[k + 1, j] = total
+                            previous[k + 1, j] = i
+            if fixed[i]:
+                break
+            i -= 1
+    if not np.isfinite(cost[num_knots - 1, count - 1]):
+        return False
+    j = count - 1
+    for k in range(num_knots - 1, -1, -1):
+        field.knots[agent, k] = points[j]
+        field.pinned[agent, k] = fixed[j]
+        if k > 0:
+            enter(field, agent, points[previous[k, j]], points[j])
+            j = previous[k, j]
+    field.counts[agent] = num_knots
+    return True
+
+
+@kernel
+def _candidates(
+    field: RodField, agent: int, spacing: float
+) -> tuple[FloatArray, IntArray, BoolArray]:
+    """Old knots and points about `spacing` apart between them.
+
+    Returns points (N, 3), twice the index of the segment a point lies within (an odd number 2 i - 1
+    for knot i, so that points share a segment if they differ by at most one) and waypoint flags.
+    """
+    knots = field.knots[agent]
+    count = field.counts[agent]
+    parts = np.empty(count - 1, np.int64)
+    for i in range(count - 1):
+        parts[i] = max(int(np.round((knots[i + 1, 2] - knots[i, 2]) / spacing)), 1)
+    total = parts.sum() + 1
+    points = np.empty((total, 3))
+    pieces = np.empty(total, np.int64)
+    fixed = np.zeros(total, np.bool_)
+    at = 0
+    for i in range(count - 1):
+        for k in range(parts[i]):
+            points[at] = knots[i] + (knots[i + 1] - knots[i]) * (k / parts[i])
+            pieces[at] = 2 * i if k > 0 else 2 * i - 1
+            fixed[at] = k == 0 and field.pinned[agent, i]
+            at += 1
+    points[at] = knots[count - 1]
+    pieces[at] = 2 * (count - 1) - 1
+    return points, pieces, fixed
