@@ -30,8 +30,8 @@ MAX_CLASSES = 16
 LEAST_LAYERS = 16
 MOST_LAYERS = 4000
 # Agents that queue at one place need more layers than the way is long: one by one they pass.
-LAYERS_IN_QUEUE = 5
-SHORT_QUEUE = 6
+LAYERS_IN_QUEUE = 10
+SHORT_QUEUE = 4
 NO_BLOCKS: BlockArray = np.empty((0, 3), dtype=np.int32)
 
 

@@ -199,17 +199,10 @@ def _run_stage(
 ) -> _Attempt:
     """One stage: three planners, each with an effort that grows with the stage's."""
     count = len(planner.movers)
-    ordered = plan_prioritized(planner, rng, stage.effort * (10 + min(count, 20)), stopped)
+    ordered = plan_prioritized(planner, rng, stage.effort * (5 + min(count, 10)), stopped)
     tries = ordered.tries
     if ordered.curves is not None:
         return _Attempt(ordered.curves, "prioritized", tries, ())
-    if count <= (MOST_PRIORITY_BASED if stage.effort > 2 else FEW_PRIORITY_BASED):
-        tree = plan_priority_based(
-            planner, rng, 4 * stage.effort, 20 + 2 * count * stage.effort, stopped
-        )
-        tries += tree.nodes
-        if tree.curves is not None:
-            return _Attempt(tree.curves, "priority-based", tries, ())
     ways = own_ways(planner)
     if ways is None:
         return _Attempt(None, "", tries, ())
@@ -217,4 +210,11 @@ def _run_stage(
     tries += mended.iterations
     if mended.conflicts == 0:
         return _Attempt(mended.curves, "repair", tries, ())
+    if count <= (MOST_PRIORITY_BASED if stage.effort > 2 else FEW_PRIORITY_BASED):
+        tree = plan_priority_based(
+            planner, rng, 4 * stage.effort, 20 + 2 * count * stage.effort, stopped
+        )
+        tries += tree.nodes
+        if tree.curves is not None:
+            return _Attempt(tree.curves, "priority-based", tries, ())
     return _Attempt(None, "", tries, stuck(planner.problem, mended.curves, mended.touching))
