@@ -25,7 +25,6 @@ LONGEST_SHORTCUT = 0.6
 def polish_round(
     field: RodField,
     order: IntArray,
-    greedy: bool,
     draws: FloatArray,
     arrivals: FloatArray,
 ) -> None:
@@ -35,8 +34,7 @@ def polish_round(
     agent's arrival is put off.
     """
     for agent in order:
-        if greedy:
-            _drop_knots(field, agent)
+        _drop_knots(field, agent)
         for k in range(draws.shape[1]):
             _shortcut(field, agent, draws[agent, k, 0], draws[agent, k, 1])
         for i in range(1, field.counts[agent] - 1):
@@ -64,12 +62,9 @@ def _drop_knots(field: RodField, agent: int) -> None:
         if best > i + 1:
             enter(field, agent, knots[i], knots[best])
         kept += 1
-        # Knots move down only, so those still to be looked at are untouched.
+        # Knots move down only (kept <= best), so those still to be looked at are untouched.
         knots[kept] = knots[best]
         pinned[kept] = pinned[best]
-        if kept < best:
-            # The next chord starts from the knot's old place, which holds the same values.
-            knots[best] = knots[kept]
         i = best
     field.counts[agent] = kept + 1
 
@@ -239,8 +234,9 @@ def even_knots(
         while i >= 0 and points[j, 2] - points[i, 2] <= longest * mean:
             duration = (points[j, 2] - points[i, 2]) / mean
             if duration >= shortest and np.isfinite(cost[:, i].min()):
-                # Both on one segment of the old curve: clear as it is.
-                if pieces[j] <= pieces[i] + 1 or segment_clear(field, agent, points[i], points[j]):
+                # On one segment of the old curve a chord is clear as it is.
+                shared = pieces[j] // 2 <= (pieces[i] + 1) // 2
+                if shared or segment_clear(field, agent, points[i], points[j]):
                     for k in range(num_knots - 1):
                         total = cost[k, i] + (duration - 1.0) ** 2
                         if total < cost[k + 1, j]:
@@ -268,8 +264,8 @@ def _candidates(
 ) -> tuple[FloatArray, IntArray, BoolArray]:
     """Old knots and points about `spacing` apart between them.
 
-    Returns points (N, 3), twice the index of the segment a point lies within (an odd number 2 i - 1
-    for knot i, so that points share a segment if they differ by at most one) and waypoint flags.
+    Returns points (N, 3), their places (2 i - 1 for knot i, 2 i within the segment after it) and
+    waypoint flags.
     """
     knots = field.knots[agent]
     count = field.counts[agent]

@@ -160,7 +160,7 @@ def enter_all(field: RodField) -> None:
 def cell_of(field: RodField, value: float, axis: int) -> int:
     """The cell along an axis, points outside moved to the rim."""
     place = int(np.floor((value - field.origin[axis]) / field.cell))
-    return min(max(place, 0), field.shape[axis] - 1)
+    return int(min(max(place, 0), field.shape[axis] - 1))
 
 
 @kernel
