@@ -7,7 +7,7 @@ and rebuilt (warm) when an interaction is felt that its sparsity structure has n
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -68,6 +68,8 @@ class _Stop:
         self._energy = energy
         self._floor = floor
         self._interrupted = interrupted
+        # The paper's centimetre suits people; a maze of vacuum cleaners needs a share of their size.
+        self._step_unit = min(1.0, *(agent.radius for agent in scene.agents))
         self._values: list[float] = []
         self.why = ""
 
@@ -83,7 +85,7 @@ class _Stop:
             return "stale"
         if iteration.number < 1:
             return ""
-        if iteration.step <= self._solver.step_tolerance * self._step_unit():
+        if iteration.step <= self._solver.step_tolerance * self._step_unit:
             return "converged"
         if len(self._values) > STALL_WINDOW:
             fall = self._values[-1 - STALL_WINDOW] - self._values[-1]
@@ -91,9 +93,6 @@ class _Stop:
             if fall <= STALL_SHARE * self._solver.optimality_tolerance * scale:
                 return "converged"
         return ""
-
-    def _step_unit(self) -> float:
-        return 1.0
 
 
 def optimise(
@@ -129,17 +128,12 @@ def optimise(
 
 def _padded(setting: Setting, knots: FloatArray) -> Setting:
     """The setting with as much padding as the seed's clearance allows."""
-    from dataclasses import replace
-
     terms = Assembly(setting).interaction_terms(knots, 0.0)
     least = min(
         (term.least_clearance(knots) for term in terms if isinstance(term, ContactTerm)),
         default=np.inf,
     )
-    widest = max(
-        float(setting.interactions.distance.max()),
-        max(agent.radius for agent in setting.scene.agents),
-    )
+    widest = float(setting.interactions.distance.max())
     return replace(setting, padding=float(min(PADDING, 0.5 * max(least, 0.0) / widest)))
 
 

@@ -1,70 +1,44 @@
 """The scene file's format, version 1: every key with type, bounds, unit and default.
 
-One model validates and prints the JSON Schema. Defaults of an agent are left out here (None) where the
-scene's `defaults` may fill them in; `stplan.scene.load` resolves them.
+One model validates and prints the JSON Schema. Defaults of an agent are left out here (None), because
+the scene's `defaults` come between; `stplan.scene.compile` fills them in.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic import BaseModel, ConfigDict, Field
+
+from stplan.scene.quantities import (
+    Factor,
+    Identifier,
+    Knot,
+    NotNegative,
+    NotNull,
+    Number,
+    Options,
+    Or,
+    Point,
+    Positive,
+    Rectangle,
+    Ring,
+    Side,
+    count,
+)
 
 FORMAT = 1
 MOST_AGENTS = 10_000
-# Coordinates and times beyond this are a mistake of units.
-LARGEST = 1e9
+MOST_PAIRS = 100_000
+MOST_KNOTS = 100_000
+_GIVEN = NotNull()
+_AUTO = Or("auto")
 
 
-def _auto(value: Any) -> Any:
-    return None if value == "auto" else value
-
-
-def _auto_schema(inner: dict[str, Any]) -> WithJsonSchema:
-    return WithJsonSchema({"anyOf": [{"const": "auto"}, inner]})
-
-
-Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST, allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, le=LARGEST, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, le=LARGEST, allow_inf_nan=False)]
-Tolerance = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
-Point = Annotated[list[Number], Field(min_length=2, max_length=2)]
-Knot = Annotated[list[Number], Field(min_length=3, max_length=3)]
-Ring = Annotated[list[Point], Field(min_length=3, max_length=1_000_000)]
-Rectangle = Annotated[list[Number], Field(min_length=4, max_length=4)]
-Identifier = Annotated[
-    str, Field(min_length=1, max_length=100, pattern=r"^[^\s,;\"'\x00-\x1f\x7f]+$")
-]
-AutoNotNegative = Annotated[
-    NotNegative | None, BeforeValidator(_auto), _auto_schema({"type": "number", "minimum": 0})
-]
-AutoPositive = Annotated[
-    Annotated[float, Field(gt=0, le=LARGEST)] | None,
-    BeforeValidator(_auto),
-    _auto_schema({"type": "number", "exclusiveMinimum": 0}),
-]
-
-
-def _auto_count(low: int, high: int) -> Any:
-    schema = {"type": "integer", "minimum": low, "maximum": high}
-    return Annotated[
-        Annotated[int, Field(ge=low, le=high)] | None, BeforeValidator(_auto), _auto_schema(schema)
-    ]
-
-
-def _reach(value: Any) -> Any:
-    return (
-        {"auto": None, "inf": float("inf")}.get(value, value) if isinstance(value, str) else value
-    )
-
-
-BarrierRange = Annotated[
-    Annotated[float, Field(gt=0, allow_inf_nan=True)] | None,
-    BeforeValidator(_reach),
-    WithJsonSchema(
-        {"anyOf": [{"enum": ["auto", "inf"]}, {"type": "number", "exclusiveMinimum": 0}]}
-    ),
-]
+def _key(description: str, default: Any = None, **more: Any) -> Any:
+    """A key that may be left out; `default` is what a reader may take for granted then."""
+    extra = {} if default is None else {"json_schema_extra": {"default": default}}
+    return Field(None, description=description, **extra, **more)
 
 
 class _Model(BaseModel):
@@ -72,137 +46,221 @@ class _Model(BaseModel):
 
 
 class WeightsFile(_Model):
-    """The paper's K, all >= 0."""
+    """How much an agent minds each cost: the paper's K, all >= 0, without unit."""
 
-    kinetic: NotNegative | None = Field(None, description="K^K, default 1")
-    acceleration: NotNegative | None = Field(None, description="K^A, default 0")
-    arrival: NotNegative | None = Field(None, description="K^T, default 0; needs preferred_time")
-    regularity: AutoNotNegative = Field(None, description="K^R, default auto: from the seed's cost")
-    collision: NotNegative | None = Field(
-        None, description="K^C, default 1; a pair of zeros is off"
+    kinetic: Annotated[NotNegative | None, _GIVEN] = _key("K^K of the kinetic energy", 1.0)
+    acceleration: Annotated[NotNegative | None, _GIVEN] = _key("K^A of changes of velocity", 0.0)
+    arrival: Annotated[NotNegative | None, _GIVEN] = _key(
+        "K^T of arriving at another time than preferred_time", 0.0
     )
-    wall: NotNegative | None = Field(None, description="K^M, default 1; 0 switches walls off")
+    regularity: Annotated[NotNegative | None, _GIVEN, _AUTO] | Literal["auto"] = _key(
+        "K^R of unevenly spaced knots; auto scales it by the seed's kinetic cost", "auto"
+    )
+    collision: Annotated[NotNegative | None, _GIVEN] = _key(
+        "K^C of nearness to other agents; a pair is switched off where both have 0", 1.0
+    )
+    wall: Annotated[NotNegative | None, _GIVEN] = _key(
+        "K^M of nearness to walls; 0 switches them off for this agent", 1.0
+    )
 
 
 class SharedFields(_Model):
-    """What agents may set and `defaults` may set for all."""
+    """What an agent may set, and `defaults` for all agents."""
 
-    start_time: Number | None = Field(None, description="s, default 0")
-    max_time: Number | None = Field(None, description="T^max in s, default the horizon")
-    preferred_time: Number | None = Field(None, description="T^p in s, felt with weights.arrival")
-    radius: Positive | None = Field(None, description="radius of comfort in m, default 0.3")
-    mass: Positive | None = Field(None, description="kg, default 1")
-    after_arrival: Literal["stay", "vanish"] | None = Field(
-        None, description="stay (default) on the goal until the horizon, or vanish on arrival"
+    start_time: Annotated[Number | None, _GIVEN] = _key("when the agent appears, s", 0.0)
+    max_time: Annotated[Number | None, _GIVEN] = _key(
+        "T^max, latest arrival, s, after start_time; default: the horizon"
     )
-    waypoints: list[Point] | None = Field(None, description="passed in order at free times, m")
-    weights: WeightsFile | None = None
+    preferred_time: Annotated[Number | None, _GIVEN] = _key(
+        "T^p, wanted arrival, s, after start_time and no later than max_time; "
+        "needed by, and felt through, weights.arrival"
+    )
+    radius: Annotated[Positive | None, _GIVEN] = _key("radius of comfort, m", 0.3)
+    mass: Annotated[Positive | None, _GIVEN] = _key("mass, kg", 1.0)
+    after_arrival: Annotated[Literal["stay", "vanish"] | None, _GIVEN] = _key(
+        "stay on the goal until the horizon, or vanish on arrival", "stay"
+    )
+    waypoints: Annotated[
+        Annotated[list[Point], Field(max_length=1000)] | None, _GIVEN
+    ] = _key("points [x, y] in m, passed in this order at free times")
+    weights: Annotated[WeightsFile | None, _GIVEN] = _key(
+        "weights of the costs; those left out come from `defaults`, one by one"
+    )
 
 
 class AgentFile(SharedFields):
-    """One agent."""
+    """One agent: a disc with a mass that moves from `start` to `goal`, or along a given `path`."""
 
-    id: Identifier
-    start: Point | None = Field(None, description="(x, y) in m")
-    goal: Point | None = Field(None, description="(x, y) in m, reached exactly")
-    path: Annotated[list[Knot], Field(min_length=2)] | None = Field(
-        None, description="(x, y, t) in m and s: the agent moves as told, everyone else makes way"
+    id: Identifier = Field(description="name of the agent, unique; `all` is reserved")
+    start: Annotated[Point | None, _GIVEN] = _key("[x, y] in m at start_time; unless path is given")
+    goal: Annotated[Point | None, _GIVEN] = _key(
+        "[x, y] in m, reached exactly, by max_time; unless path is given"
+    )
+    path: Annotated[
+        Annotated[list[Knot], Field(min_length=2, max_length=MOST_KNOTS)] | None, _GIVEN
+    ] = _key(
+        "[[x, y, t], ...] in m and s, t rising: the agent moves exactly so, everyone else makes way"
     )
 
 
 class CircleFile(_Model):
     """A disc."""
 
-    center: Point
-    radius: Positive
+    center: Point = Field(description="[x, y] in m")
+    radius: Positive = Field(description="radius, m")
 
 
 class ObstacleFile(_Model):
-    """Exactly one shape that is cut out of the map."""
+    """Exactly one shape, cut out of the map."""
 
-    rectangle: Rectangle | None = Field(None, description="xmin, ymin, xmax, ymax in m")
-    polygon: Ring | None = Field(None, description="a ring of (x, y) in m")
-    circle: CircleFile | None = None
+    rectangle: Annotated[Rectangle | None, _GIVEN] = _key("[xmin, ymin, xmax, ymax] in m")
+    polygon: Annotated[Ring | None, _GIVEN] = _key("[[x, y], ...] in m, a ring that is not closed")
+    circle: Annotated[CircleFile | None, _GIVEN] = _key("a disc")
 
 
 class MapFile(_Model):
     """Where agents may be: exactly one base (mesh, polygon or rectangle), less the obstacles."""
 
-    mesh: str | None = Field(None, description="flat mesh file, relative to the scene file")
-    up: Literal["x", "y", "z"] | None = Field(None, description="axis of the mesh that is dropped")
-    polygon: Ring | None = Field(None, description="outer ring of (x, y) in m")
-    holes: list[Ring] | None = Field(None, description="rings cut out of the polygon")
-    rectangle: Rectangle | None = Field(None, description="xmin, ymin, xmax, ymax in m")
-    obstacles: list[ObstacleFile] | None = None
-    resolution: Positive | None = Field(None, description="edge length of the seeding mesh, m")
+    mesh: Annotated[
+        Annotated[str, Field(min_length=1, max_length=1000)] | None, _GIVEN
+    ] = _key("base: a flat mesh (OBJ, PLY, OFF, STL, GLB), in m, path relative to the scene file")
+    up: Annotated[Literal["x", "y", "z"] | None, _GIVEN] = _key(
+        "axis of the mesh that is dropped", "z"
+    )
+    polygon: Annotated[Ring | None, _GIVEN] = _key("base: an outer ring [[x, y], ...] in m")
+    holes: Annotated[list[Ring] | None, _GIVEN] = _key("rings in m, cut out of `polygon`")
+    rectangle: Annotated[Rectangle | None, _GIVEN] = _key("base: [xmin, ymin, xmax, ymax] in m")
+    obstacles: Annotated[
+        Annotated[list[ObstacleFile], Field(max_length=100_000)] | None, _GIVEN
+    ] = _key("shapes cut out of the base")
+    resolution: Annotated[Positive | None, _GIVEN] = _key(
+        "wanted edge length of the seeding mesh, m; default: from the smallest radius"
+    )
 
 
 class PairFile(_Model):
-    """An override for pairs; later entries win."""
+    """What differs for pairs of agents; of several entries about a pair the later wins."""
 
-    between: Annotated[list[Identifier | list[Identifier]], Field(min_length=2, max_length=2)] = (
-        Field(description="an id, `all` or a list of ids on either side")
+    between: Annotated[list[Side], Field(min_length=2, max_length=2)] = Field(
+        description="both sides: an id, `all`, or a list of ids each"
     )
-    distance: Positive | None = Field(
-        None, description="comfort distance in m instead of r_a + r_b"
+    distance: Annotated[Positive | None, _GIVEN] = _key(
+        "comfort distance of the centres, m, instead of the sum of the radii"
     )
-    grouping: NotNegative | None = Field(None, description="K^G, draws the pair together")
-    collide: bool | None = Field(None, description="false switches the pair's collision off")
+    grouping: Annotated[NotNegative | None, _GIVEN] = _key(
+        "K^G, above 0 it draws the pair together", 0.0
+    )
+    collide: Annotated[bool | None, _GIVEN] = _key(
+        "false lets the pair pass through each other", True
+    )
 
 
 class SeedingFile(_Model):
     """How initial curves are found."""
 
-    method: Literal["auto", "dijkstra", "search", "relaxation"] = "auto"
-    layers: _auto_count(2, 100_000) = Field(None, description="time layers")  # type: ignore[valid-type]
+    method: Literal["auto", "dijkstra", "search", "relaxation"] = Field(
+        "auto", description="way of finding initial curves; auto tries several"
+    )
+    layers: Annotated[count(2, 100_000), _AUTO] = Field(  # type: ignore[valid-type]
+        "auto", description="number of layers in time of the space-time graph"
+    )
     margin: Annotated[float, Field(ge=1, le=10, allow_inf_nan=False)] = Field(
         1.05, description="factor on distances while seeding, where there is room"
     )
-    time_limit: Positive = Field(60.0, description="s")
-    rng_seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
+    time_limit: Positive = Field(60.0, description="how long to look for initial curves, s")
+    rng_seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = Field(
+        0, description="seed of the random generator"
+    )
 
 
 class SolverFile(_Model):
     """How curves are optimised."""
 
-    knots: _auto_count(3, 10_000) = Field(None, description="knots per agent")  # type: ignore[valid-type]
-    mu: AutoPositive = Field(None, description="first barrier weight, auto scales with the costs")
-    mu_decay: Annotated[float, Field(gt=0, le=1, allow_inf_nan=False)] = 0.75
-    outer_iterations: Annotated[int, Field(ge=1, le=1000)] = 5
+    knots: Annotated[count(3, 10_000), _AUTO] = Field(  # type: ignore[valid-type]
+        "auto", description="knots per agent; auto follows the initial curves"
+    )
+    mu: Annotated[Factor, _AUTO] | Literal["auto"] = Field(
+        "auto", description="first weight of the barriers; auto scales with the costs"
+    )
+    mu_decay: Annotated[float, Field(gt=0, le=1, allow_inf_nan=False)] = Field(
+        0.75, description="factor on mu from one outer iteration to the next (the paper's c)"
+    )
+    outer_iterations: Annotated[int, Field(ge=1, le=1000)] = Field(
+        5, description="most values of mu"
+    )
     max_iterations: Annotated[int, Field(ge=0, le=1_000_000)] = Field(
-        100, description="Ipopt iterations per outer iteration"
+        100, description="most Ipopt iterations per outer iteration"
     )
-    step_tolerance: Tolerance = 1.0e-2
-    optimality_tolerance: Tolerance = 1.0e-2
-    alpha: Positive = Field(50.0, description="sharpness of the smooth minimum, 1/m")
-    clearance_model: Literal["contacts", "smooth-minimum"] = "contacts"
-    barrier_range: BarrierRange = Field(None, description="clearance in m where repulsion starts")
-    hessian: Literal["gauss-newton", "exact", "limited-memory"] = "gauss-newton"
-    linear_solver: Annotated[str, Field(min_length=1, max_length=40)] = "mumps"
-    ipopt: dict[str, str | int | float] = Field(
-        default_factory=dict, description="further Ipopt options, passed on"
+    step_tolerance: Annotated[Factor, Field(le=1e6)] = Field(
+        1.0e-2, description="step of an outer iteration, relative, that counts as converged"
     )
+    optimality_tolerance: Annotated[Factor, Field(le=1e6)] = Field(
+        1.0e-2, description="scaled optimality error that counts as converged"
+    )
+    alpha: Positive = Field(
+        50.0, description="alpha_0, sharpness of the smooth minimum distance, 1/m"
+    )
+    clearance_model: Literal["contacts", "smooth-minimum"] = Field(
+        "contacts", description="how clearances enter; smooth-minimum is the paper's"
+    )
+    barrier_range: Annotated[
+        Annotated[float, Field(gt=0, allow_inf_nan=True)], Or("auto", "inf")
+    ] | Literal["auto", "inf"] = Field(
+        "auto", description="clearance at which repulsion starts, m; inf: the paper's logarithm"
+    )
+    hessian: Literal["gauss-newton", "exact", "limited-memory"] = Field(
+        "gauss-newton", description="second derivatives given to Ipopt"
+    )
+    linear_solver: Annotated[
+        str, Field(min_length=1, max_length=40, pattern=r"^[a-z][a-z0-9-]*$")
+    ] = Field("mumps", description="Ipopt's linear solver")
+    ipopt: Options = Field({}, description="further Ipopt options by name, passed on as they are")
 
 
 class SceneFile(_Model):
     """A scene file of format 1. Lengths in m, times in s, masses in kg."""
 
     stplan: Literal[1] = Field(description="version of this format")
-    name: Annotated[str, Field(max_length=100, pattern=r"^[a-z0-9][a-z0-9_-]*$")] | None = None
-    description: str = ""
-    map: MapFile | None = None
-    horizon: Positive | None = Field(None, description="T^max of agents without max_time, s")
-    time_scale: Positive = Field(1.0, description="c in m/s")
-    defaults: SharedFields = SharedFields()
-    agents: Annotated[list[AgentFile], Field(min_length=1, max_length=MOST_AGENTS)]
-    pairs: list[PairFile] = []
-    seeding: SeedingFile = SeedingFile()
-    solver: SolverFile = SolverFile()
+    name: Annotated[
+        Annotated[str, Field(max_length=100, pattern=r"^[a-z0-9][a-z0-9_-]*$")] | None, _GIVEN
+    ] = _key("name of the output folder; default: the file's stem")
+    description: Annotated[str, Field(max_length=10_000)] = Field(
+        "", description="one line that says what the scene shows"
+    )
+    map: Annotated[MapFile | None, _GIVEN] = _key("where agents may be; default: the open plane")
+    horizon: Annotated[Positive | None, _GIVEN] = _key(
+        "T^max of agents without max_time, and how long agents stay, s; "
+        "may be left out where every agent has a max_time or a path"
+    )
+    time_scale: Positive = Field(
+        1.0, description="c in m/s: the space-time metric is dx^2 + dy^2 + (c dt)^2"
+    )
+    defaults: SharedFields = Field(SharedFields(), description="values for agents that set none")
+    agents: Annotated[list[AgentFile], Field(min_length=1, max_length=MOST_AGENTS)] = Field(
+        description="the moving things, in the order of the outputs"
+    )
+    pairs: Annotated[list[PairFile], Field(max_length=MOST_PAIRS)] = Field(
+        [], description="what differs from: every pair collides at the sum of its radii"
+    )
+    seeding: SeedingFile = Field(SeedingFile(), description="how initial curves are found")
+    solver: SolverFile = Field(SolverFile(), description="how curves are optimised")
 
 
 def scene_schema() -> dict[str, Any]:
     """The JSON Schema of scene files, for editors."""
     schema = SceneFile.model_json_schema()
+    _drop_null_defaults(schema)
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     schema["title"] = "stplan scene, format 1"
     return schema
+
+
+def _drop_null_defaults(part: Any) -> None:
+    """A key without a default is just optional; null is no value of the format."""
+    if isinstance(part, dict):
+        if "default" in part and part["default"] is None:
+            del part["default"]
+        part = list(part.values())
+    if isinstance(part, list):
+        for inner in part:
+            _drop_null_defaults(inner)

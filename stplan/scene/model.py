@@ -115,7 +115,7 @@ class SolverSettings:
 
     knots: int | None = None
     mu: float | None = None
-    mu_decay: float = 0.75
+    mu_decay: float = 0.5
     outer_iterations: int = 5
     max_iterations: int = 100
     step_tolerance: float = 1.0e-2

@@ -102,6 +102,7 @@ def _cheapest(
     here[leg * num_vertices + start] = 0.0
     best = tail[first_layer] if leg * num_vertices + start == final else np.inf
     best_layer = 0
+    cheapest_move = cost.min()
     for step in range(span):
         layer = first_layer + step
         after = np.full(num_legs * num_vertices, np.inf)
@@ -110,6 +111,8 @@ def _cheapest(
                 continue
             leg = state // num_vertices
             vertex = state - leg * num_vertices
+            if here[state] + hops[leg, vertex] * cheapest_move >= best:
+                continue
             # The wait is the move before the first walk.
             for place in range(out_offsets[vertex] - 1, out_offsets[vertex + 1]):
                 move = vertex if place < out_offsets[vertex] else out_moves[place]

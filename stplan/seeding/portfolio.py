@@ -16,8 +16,9 @@ import numpy as np
 from stplan.arrays import FloatArray
 from stplan.errors import SeedingError
 from stplan.scene.model import Scene
+from stplan.seeding.geodesic import geodesic_curves
+from stplan.seeding.polish import prepare_seed
 from stplan.seeding.relaxation import relax
-from stplan.seeding.resampling import resample_curve
 from stplan.seeding.rods import RodProblem, verify, wall_clearance
 from stplan.seeding.search import search_curves
 from stplan.world import FreeSpace
@@ -66,14 +67,20 @@ def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress)
     attempts = _Attempts()
     for part in _parts(scene, problem):
         if part == "relaxation":
-            _relax(scene, problem, attempts, progress)
+            _relax(scene, problem, free_space, attempts, progress)
         else:
             _search(scene, problem, free_space, attempts, progress)
         if attempts.curves is not None:
             break
     if attempts.curves is None:
         raise SeedingError("no collision-free initial curves: " + "\n  ".join(attempts.reasons))
-    curves = [resample_curve(curve, scene.solver.knots or 40) for curve in attempts.curves]
+    curves = prepare_seed(
+        problem,
+        attempts.curves,
+        scene.solver.knots,
+        scene.seeding.margin,
+        scene.seeding.rng_seed,
+    )
     faults = verify(problem, curves)
     if faults:
         raise SeedingError("initial curves are not clear: " + "; ".join(faults))
@@ -88,26 +95,40 @@ def _parts(scene: Scene, problem: RodProblem) -> list[str]:
     method = scene.seeding.method
     if method != "auto":
         return [method]
-    return ["relaxation", "search"] if _straight_ways_are_clear(problem) else ["search"]
+    if _straight_ways_are_clear(problem):
+        return ["relaxation", "search"]
+    return ["search", "relaxation"]
 
 
 def _straight_ways_are_clear(problem: RodProblem) -> bool:
     """Whether walls leave every agent its straight way through its waypoints."""
     for agent in range(problem.num_agents):
-        stops = np.vstack(
-            [problem.starts[agent], problem.waypoints[agent], problem.goals[agent]]
-        )
+        stops = np.vstack([problem.starts[agent], problem.waypoints[agent], problem.goals[agent]])
         way = np.column_stack([stops, np.arange(len(stops))])
         if wall_clearance(problem, agent, way) <= problem.radii[agent]:
             return False
     return True
 
 
-def _relax(scene: Scene, problem: RodProblem, attempts: _Attempts, progress: Progress) -> None:
+def _relax(
+    scene: Scene,
+    problem: RodProblem,
+    free_space: FreeSpace | None,
+    attempts: _Attempts,
+    progress: Progress,
+) -> None:
     progress("seeding by relaxation")
     settings = scene.seeding
+    ways = None
+    if not _straight_ways_are_clear(problem):
+        found = geodesic_curves(problem, free_space)
+        ways = [way for way in found if way is not None]
+        if len(ways) < len(found):
+            attempts.reasons.append("relaxation needs a way along the walls for every agent")
+            return
     result = relax(
         problem,
+        ways,
         num_knots=scene.solver.knots or RELAXATION_KNOTS,
         margin=settings.margin,
         time_limit=settings.time_limit,
