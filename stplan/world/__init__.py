@@ -1,6 +1,16 @@
-"""Maps: free space, boundary, and whether a scene fits."""
+"""Maps: free space, boundary, seeding mesh, and whether a scene fits."""
 
+from stplan.world.erosion import eroded
 from stplan.world.free_space import FreeSpace, build_free_space
 from stplan.world.placement import check_scene_in_world, disconnected_agents
+from stplan.world.seeding_mesh import SeedingMesh, build_seeding_mesh
 
-__all__ = ["FreeSpace", "build_free_space", "check_scene_in_world", "disconnected_agents"]
+__all__ = [
+    "FreeSpace",
+    "SeedingMesh",
+    "build_free_space",
+    "build_seeding_mesh",
+    "check_scene_in_world",
+    "disconnected_agents",
+    "eroded",
+]

@@ -6,6 +6,7 @@ import numpy as np
 import shapely
 
 from stplan.scene.model import Agent, Scene
+from stplan.world.erosion import eroded
 from stplan.world.free_space import FreeSpace
 
 # Erosions are computed with this share less than the radius, so that "not connected" is never claimed
@@ -73,7 +74,7 @@ def disconnected_agents(scene: Scene, free_space: FreeSpace | None) -> list[tupl
 
 
 def _parts(free_space: FreeSpace, radius: float) -> shapely.STRtree:
-    shrunk = free_space.polygon.buffer(-radius * (1 - EROSION_SAFETY), quad_segs=32)
+    shrunk = eroded(free_space.polygon, radius * (1 - EROSION_SAFETY), quad_segs=32)
     return shapely.STRtree(shapely.get_parts(shrunk))
 
 
