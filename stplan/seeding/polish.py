@@ -12,7 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.seeding.polish_kernels import even_knots, polish_round
+from stplan.seeding.evening_kernels import even_knots
+from stplan.seeding.polish_kernels import polish_round
 from stplan.seeding.resampling import resample_curve
 from stplan.seeding.rod_field import build_field
 from stplan.seeding.rods import Requirement, RodProblem, held_requirement, verify

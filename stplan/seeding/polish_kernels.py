@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import kernel
 from stplan.seeding.rod_field import RodField, enter, segment_clear
 
@@ -208,81 +208,3 @@ def _arrive_later(field: RodField, agent: int, arrival: float) -> None:
             field.knots[agent, last, 2] = moved[2]
             return
         step *= 0.4
-
-
-@kernel
-def even_knots(
-    field: RodField, agent: int, num_knots: int, shortest: float, longest: float
-) -> bool:
-    """Give a curve exactly `num_knots` knots of even durations, if that can be done clear.
-
-    Knots are chosen from the old ones and from points in between, at durations between `shortest`
-    and `longest` times the mean, by dynamic programming on the sum of squared deviations from the
-    mean; chords that are no piece of the old curve are asked for clearance. Knots on waypoints
-    stay. Returns whether there was a way; without one the curve is left as it is.
-    """
-    mean = (field.knots[agent, field.counts[agent] - 1, 2] - field.knots[agent, 0, 2]) / (
-        num_knots - 1
-    )
-    points, pieces, fixed = _candidates(field, agent, 0.25 * mean)
-    count = len(points)
-    cost = np.full((num_knots, count), np.inf)
-    previous = np.full((num_knots, count), -1)
-    cost[0, 0] = 0.0
-    for j in range(1, count):
-        i = j - 1
-        while i >= 0 and points[j, 2] - points[i, 2] <= longest * mean:
-            duration = (points[j, 2] - points[i, 2]) / mean
-            if duration >= shortest and np.isfinite(cost[:, i].min()):
-                # On one segment of the old curve a chord is clear as it is.
-                shared = pieces[j] // 2 <= (pieces[i] + 1) // 2
-                if shared or segment_clear(field, agent, points[i], points[j]):
-                    for k in range(num_knots - 1):
-                        total = cost[k, i] + (duration - 1.0) ** 2
-                        if total < cost[k + 1, j]:
-                            cost[k + 1, j] = total
-                            previous[k + 1, j] = i
-            if fixed[i]:
-                break
-            i -= 1
-    if not np.isfinite(cost[num_knots - 1, count - 1]):
-        return False
-    j = count - 1
-    for k in range(num_knots - 1, -1, -1):
-        field.knots[agent, k] = points[j]
-        field.pinned[agent, k] = fixed[j]
-        if k > 0:
-            enter(field, agent, points[previous[k, j]], points[j])
-            j = previous[k, j]
-    field.counts[agent] = num_knots
-    return True
-
-
-@kernel
-def _candidates(
-    field: RodField, agent: int, spacing: float
-) -> tuple[FloatArray, IntArray, BoolArray]:
-    """Old knots and points about `spacing` apart between them.
-
-    Returns points (N, 3), their places (2 i - 1 for knot i, 2 i within the segment after it) and
-    waypoint flags.
-    """
-    knots = field.knots[agent]
-    count = field.counts[agent]
-    parts = np.empty(count - 1, np.int64)
-    for i in range(count - 1):
-        parts[i] = max(int(np.round((knots[i + 1, 2] - knots[i, 2]) / spacing)), 1)
-    total = parts.sum() + 1
-    points = np.empty((total, 3))
-    pieces = np.empty(total, np.int64)
-    fixed = np.zeros(total, np.bool_)
-    at = 0
-    for i in range(count - 1):
-        for k in range(parts[i]):
-            points[at] = knots[i] + (knots[i + 1] - knots[i]) * (k / parts[i])
-            pieces[at] = 2 * i if k > 0 else 2 * i - 1
-            fixed[at] = k == 0 and field.pinned[agent, i]
-            at += 1
-    points[at] = knots[count - 1]
-    pieces[at] = 2 * (count - 1) - 1
-    return points, pieces, fixed
