@@ -67,7 +67,7 @@ class Collision(ContactTerm):
             num_knots=len(knots),
             axis_scale=np.array([1.0, 1.0, rods.time_scale]),
             skin=chosen,
-            structure_skin=2 * chosen,
+            structure_skin=chosen,
             exact_coupling=exact and alpha_0 is not None,
         )
         self.start(knots)

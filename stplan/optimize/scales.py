@@ -22,7 +22,7 @@ MU_SHARE = 1e-3
 # K^R n over the agent's kinetic cost.
 REGULARITY_SHARE = 1e-2
 # Barrier range over the distance R_ab of a pair, and over the radius at walls.
-RANGE_SHARE = 0.5
+RANGE_SHARE = 0.25
 
 
 @dataclass(frozen=True)
