@@ -1,37 +1,107 @@
-"""A validated file -> an immutable `Scene`, with every fault that only keys together can have."""
+"""A validated file -> an immutable `Scene`, with every fault that only keys together can have.
+
+Where a part of the file is not valid, the rest is still looked at, so that a user learns of all faults
+at once: `Parts` holds None for what could not be read.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, TypeVar
 
-import numpy as np
+from pydantic import BaseModel
 
-from stplan.scene.faults import did_you_mean
-from stplan.scene.format import AgentFile, MapFile, ObstacleFile, SceneFile, SharedFields
-from stplan.scene.interactions import scene_interactions
+from stplan.scene.faults import Fault, Hints
+from stplan.scene.format import AgentFile, MapFile, PairFile, SceneFile, SharedFields
+from stplan.scene.maps import compile_map
 from stplan.scene.model import (
     Agent,
-    CircleObstacle,
-    MapSpec,
-    MeshBase,
     PairRule,
     Point,
-    PolygonBase,
-    PolygonObstacle,
     Scene,
     SeedingSettings,
     SolverSettings,
     Weights,
 )
+from stplan.scene.overlaps import overlap_faults
+from stplan.scene.quantities import REFUSED_OPTIONS
 
 DEFAULT_RADIUS = 0.3
 DEFAULT_MASS = 1.0
-MESH_SUFFIXES = (".obj", ".ply", ".off", ".stl", ".glb")
-LARGEST_MESH = 200 * 1024 * 1024
 
-Fault = tuple[str, str]
+_Model = TypeVar("_Model", bound=BaseModel)
+
+
+@dataclass
+class Parts:
+    """What could be read of a file; None, or left out, where it could not."""
+
+    ids: list[str | None]
+    agents: list[AgentFile | None]
+    pairs: list[PairFile | None]
+    defaults: SharedFields | None
+    horizon: float | None
+    map: MapFile | None
+
+
+def parts_of(file: SceneFile) -> Parts:
+    """The parts of a file that is valid."""
+    return Parts(
+        [agent.id for agent in file.agents],
+        list(file.agents),
+        list(file.pairs),
+        file.defaults,
+        file.horizon,
+        file.map,
+    )
+
+
+def salvage(tree: Mapping[str, Any], broken: set[str]) -> Parts:
+    """The parts of a file that have no fault at or below them; `broken` are paths with faults."""
+    tops = {_top(path) for path in broken}
+
+    def read(model: type[_Model], path: str, value: Any) -> _Model | None:
+        return None if path in tops or value is None else model.model_validate(value)
+
+    agents = tree.get("agents")
+    agents = agents if isinstance(agents, list) and "agents" not in tops else []
+    pairs = tree.get("pairs")
+    pairs = pairs if isinstance(pairs, list) and "pairs" not in tops else []
+    defaults = read(SharedFields, "defaults", tree.get("defaults", {}))
+    agents_fit = defaults is not None and "horizon" not in tops
+    return Parts(
+        [_id(entry) for entry in agents],
+        [
+            read(AgentFile, f"agents[{k}]", entry) if agents_fit else None
+            for k, entry in enumerate(agents)
+        ],
+        [read(PairFile, f"pairs[{k}]", entry) for k, entry in enumerate(pairs)],
+        defaults,
+        None if "horizon" in tops else tree.get("horizon"),
+        read(MapFile, "map", tree.get("map")),
+    )
+
+
+def _top(path: str) -> str:
+    """``agents[2].weights.wall`` -> ``agents[2]``, ``map.mesh`` -> ``map``."""
+    return path.partition(".")[0]
+
+
+def _id(entry: Any) -> str | None:
+    name = entry.get("id") if isinstance(entry, dict) else None
+    return name if isinstance(name, str) else None
+
+
+def check_parts(parts: Parts, directory: Path, hints: Hints) -> list[Fault]:
+    """Every fault of the parts that were read, except those that need the whole scene."""
+    faults: list[Fault] = []
+    _agents(parts, faults)
+    _pairs(parts, _indices(parts.ids, faults), faults, hints)
+    if parts.map is not None:
+        compile_map(parts.map, directory, faults)
+    return faults
 
 
 def compile_scene(
@@ -40,274 +110,241 @@ def compile_scene(
     source: Path | None,
     directory: Path,
     locations: Mapping[str, tuple[int, int]],
+    overridden: Mapping[str, str],
+    hints: Hints,
 ) -> tuple[Scene, list[Fault]]:
     """The scene, and (path, sentence) of every fault; with faults the scene must not be used."""
     faults: list[Fault] = []
-    agents = [_agent(file, entry, k, faults) for k, entry in enumerate(file.agents)]
-    seen: dict[str, int] = {}
-    for k, agent in enumerate(agents):
-        if agent.id == "all":
-            faults.append((f"agents[{k}].id", "'all' means every agent; another id is expected"))
-        if agent.id in seen:
-            faults.append(
-                (f"agents[{k}].id", f"'{agent.id}' is also the id of agents[{seen[agent.id]}]")
-            )
-        seen.setdefault(agent.id, k)
-    settings = file.solver.model_dump()
-    horizon = file.horizon
-    if horizon is None:
-        horizon = max(agent.max_time for agent in agents)
+    parts = parts_of(file)
+    agents = _agents(parts, faults)
+    pairs = _pairs(parts, _indices(parts.ids, faults), faults, hints)
+    map_spec = None if file.map is None else compile_map(file.map, directory, faults)
+    for name in file.solver.ipopt:
+        if name in REFUSED_OPTIONS:
+            faults.append((f"solver.ipopt.{name}", f"is refused: {REFUSED_OPTIONS[name]}"))
     scene = Scene(
         name=file.name or default_name,
         description=file.description,
         source=source,
         content_hash="",
-        map=None if file.map is None else _map(file.map, directory, faults),
-        horizon=horizon,
+        map=map_spec,
+        horizon=max(agent.max_time for agent in agents) if file.horizon is None else file.horizon,
         time_scale=file.time_scale,
         agents=tuple(agents),
-        pairs=_pairs(file, seen, faults),
-        seeding=SeedingSettings(**file.seeding.model_dump()),
-        solver=SolverSettings(**settings),
+        pairs=pairs,
+        seeding=SeedingSettings(**_settings(file.seeding)),
+        solver=SolverSettings(**_settings(file.solver)),
         locations=locations,
+        overridden=overridden,
     )
-    if not faults:
-        faults += _overlaps(scene)
+    # Places of agents that have faults themselves would only make followers of these.
+    if not any(path.startswith(("agents", "pairs", "defaults")) for path, _ in faults):
+        faults += overlap_faults(scene)
     return scene, faults
 
 
-def _merged(defaults: SharedFields, own: AgentFile, key: str, fallback: Any) -> Any:
-    value = getattr(own, key)
-    if value is None:
-        value = getattr(defaults, key)
-    return fallback if value is None else value
+def _settings(part: BaseModel) -> dict[str, Any]:
+    """Keys and values, words replaced by what they mean to the rest of the package."""
+    meaning = {"auto": None, "inf": float("inf")}
+    values = {key: getattr(part, key) for key in type(part).model_fields}
+    return {
+        key: meaning[value] if key != "method" and value in ("auto", "inf") else value
+        for key, value in values.items()
+    }
 
 
-def _weights(defaults: SharedFields, own: AgentFile) -> Weights:
-    values: dict[str, Any] = {}
-    for part in (defaults.weights, own.weights):
-        if part is not None:
-            values |= {key: getattr(part, key) for key in part.model_fields_set}
-    kept = {key: value for key, value in values.items() if value is not None}
-    return Weights(**kept)
+def _indices(ids: list[str | None], faults: list[Fault]) -> dict[str, int]:
+    """Index by id, with a fault for every id that is taken."""
+    seen: dict[str, int] = {}
+    for k, name in enumerate(ids):
+        if name is None:
+            continue
+        path = f"agents[{k}].id"
+        if name == "all":
+            faults.append((path, "is 'all', which means every agent; another id is expected"))
+        elif name in seen:
+            faults.append(
+                (path, f"is '{name}', as is agents[{seen[name]}].id; unique ids are expected")
+            )
+        seen.setdefault(name, k)
+    return seen
+
+
+def _agents(parts: Parts, faults: list[Fault]) -> list[Agent]:
+    """The agents whose entries and defaults could be read."""
+    if parts.defaults is None:
+        return []
+    defaults = parts.defaults
+    agents = [
+        _Merge(defaults, entry, f"agents[{k}]", faults).agent(parts.horizon)
+        for k, entry in enumerate(parts.agents)
+        if entry is not None
+    ]
+    # A fault of the defaults shows at every agent, and is told once.
+    faults[:] = dict.fromkeys(faults)
+    return agents
 
 
 def _point(values: list[float]) -> Point:
-    return (float(values[0]), float(values[1]))
+    return (values[0], values[1])
 
 
-def _agent(file: SceneFile, entry: AgentFile, index: int, faults: list[Fault]) -> Agent:
-    here = f"agents[{index}]"
-    path = (
-        None
-        if entry.path is None
-        else tuple((float(x), float(y), float(t)) for x, y, t in entry.path)
-    )
-    start, goal = entry.start, entry.goal
-    start_time = float(_merged(file.defaults, entry, "start_time", 0.0))
-    max_time = _merged(file.defaults, entry, "max_time", file.horizon)
-    if path is not None:
-        _check_path(entry, path, here, faults)
-        start, goal = list(path[0][:2]), list(path[-1][:2])
-        start_time, max_time = path[0][2], path[-1][2]
-    for key, value in (("start", start), ("goal", goal)):
-        if value is None:
-            faults.append((f"{here}.{key}", "is missing"))
-    if max_time is None:
-        faults.append((here, "has no max_time and the scene no horizon; one of them is expected"))
-        max_time = start_time + 1.0
-    max_time = float(max_time)
-    if max_time <= start_time:
-        faults.append(
-            (
-                f"{here}.max_time",
-                f"is {max_time:g} s; later than start_time {start_time:g} s is expected",
-            )
+class _Merge:
+    """One agent: its own keys over `defaults` over what the format promises."""
+
+    def __init__(
+        self, defaults: SharedFields, own: AgentFile, path: str, faults: list[Fault]
+    ) -> None:
+        self._defaults, self._own, self._path, self._faults = defaults, own, path, faults
+
+    def _value(self, key: str, fallback: Any) -> Any:
+        for part in (self._own, self._defaults):
+            value = getattr(part, key)
+            if value is not None:
+                return value
+        return fallback
+
+    def _fault(self, key: str, text: str) -> None:
+        """A fault of `key`, told where its value stands: with the agent, or in `defaults`."""
+        here: Any = self._own
+        for step in key.split("."):
+            here = getattr(here, step, None)
+        there: Any = self._defaults
+        for step in key.split("."):
+            there = getattr(there, step, None)
+        owner = "defaults" if here is None and there is not None else self._path
+        self._faults.append((f"{owner}.{key}", text))
+
+    def agent(self, horizon: float | None) -> Agent:
+        """The agent; with new faults it must not be used."""
+        own = self._own
+        path: tuple[tuple[float, float, float], ...] | None = None
+        weights = self._weights()
+        if own.path is not None:
+            path = tuple((x, y, t) for x, y, t in own.path)
+            self._check_path(path)
+            start, goal = path[0][:2], path[-1][:2]
+            start_time, max_time = path[0][2], path[-1][2]
+            waypoints: tuple[Point, ...] = ()
+        else:
+            start, goal = self._end("start"), self._end("goal")
+            start_time, max_time = self._times(horizon)
+            waypoints = tuple(_point(point) for point in self._value("waypoints", []))
+            self._check_preferred_time(weights, start_time, max_time)
+        return Agent(
+            id=own.id,
+            start=start,
+            goal=goal,
+            start_time=start_time,
+            max_time=max_time,
+            preferred_time=self._value("preferred_time", None),
+            radius=self._value("radius", DEFAULT_RADIUS),
+            mass=self._value("mass", DEFAULT_MASS),
+            after_arrival=self._value("after_arrival", "stay"),
+            waypoints=waypoints,
+            weights=weights,
+            path=path,
         )
-    weights = _weights(file.defaults, entry)
-    preferred = _merged(file.defaults, entry, "preferred_time", None)
-    if weights.arrival > 0 and preferred is None:
-        faults.append((f"{here}.weights.arrival", "needs a preferred_time"))
-    if preferred is not None and not start_time < preferred <= max_time:
-        faults.append(
-            (
-                f"{here}.preferred_time",
+
+    def _weights(self) -> Weights:
+        values: dict[str, Any] = {}
+        for part in (self._defaults.weights, self._own.weights):
+            for key in () if part is None else part.model_fields_set:
+                value = getattr(part, key)
+                values[key] = None if value == "auto" else value
+        return Weights(**values)
+
+    def _end(self, key: str) -> Point:
+        value = getattr(self._own, key)
+        if value is None:
+            self._faults.append(
+                (f"{self._path}.{key}", "is missing; a point [x, y] in m is expected, or a path")
+            )
+        return _point(value or [0.0, 0.0])
+
+    def _times(self, horizon: float | None) -> tuple[float, float]:
+        start_time: float = self._value("start_time", 0.0)
+        max_time: float | None = self._value("max_time", horizon)
+        if max_time is None:
+            text = "is missing; a time in s is expected, or a max_time of every agent"
+            self._faults.append(("horizon", text))
+            return start_time, start_time + 1.0
+        if max_time <= start_time:
+            given = self._own.max_time is not None or self._defaults.max_time is not None
+            key = "max_time" if given else "start_time"
+            text = (
+                f"max_time {max_time:g} s is not after start_time {start_time:g} s"
+                if given
+                else f"is {start_time:g} s; less than the horizon {max_time:g} s is expected"
+            )
+            self._fault(key, text + ("; a later one is expected" if given else ""))
+        return start_time, max_time
+
+    def _check_preferred_time(self, weights: Weights, start_time: float, max_time: float) -> None:
+        preferred: float | None = self._value("preferred_time", None)
+        if preferred is None:
+            if weights.arrival > 0:
+                self._fault(
+                    "weights.arrival",
+                    f"is {weights.arrival:g}, but preferred_time is missing; a time in s is expected",
+                )
+        elif not start_time < preferred <= max_time:
+            self._fault(
+                "preferred_time",
                 f"is {preferred:g} s; after start_time {start_time:g} s and no later than "
                 f"max_time {max_time:g} s is expected",
             )
-        )
-    return Agent(
-        id=entry.id,
-        start=_point(start or [0.0, 0.0]),
-        goal=_point(goal or [0.0, 0.0]),
-        start_time=start_time,
-        max_time=max_time,
-        preferred_time=None if preferred is None else float(preferred),
-        radius=float(_merged(file.defaults, entry, "radius", DEFAULT_RADIUS)),
-        mass=float(_merged(file.defaults, entry, "mass", DEFAULT_MASS)),
-        after_arrival=_merged(file.defaults, entry, "after_arrival", "stay"),
-        waypoints=()
-        if path is not None
-        else tuple(_point(p) for p in _merged(file.defaults, entry, "waypoints", [])),
-        weights=weights,
-        path=path,
-    )
+
+    def _check_path(self, path: tuple[tuple[float, float, float], ...]) -> None:
+        """Times of a given path rise, and what repeats it says the same."""
+        own, here = self._own, self._path
+        for k in range(1, len(path)):
+            if path[k][2] <= path[k - 1][2]:
+                text = f"is at {path[k][2]:g} s; later than the knot before is expected"
+                self._faults.append((f"{here}.path[{k}][2]", f"{text} ({path[k - 1][2]:g} s)"))
+        for key, place in (("start", path[0]), ("goal", path[-1])):
+            value = getattr(own, key)
+            if value is not None and _point(value) != place[:2]:
+                text = f"is not the path's end ({place[0]:g}, {place[1]:g}); leave it out"
+                self._faults.append((f"{here}.{key}", text))
+        if own.start_time is not None and own.start_time != path[0][2]:
+            text = f"is {own.start_time:g} s, the path starts at {path[0][2]:g} s; leave it out"
+            self._faults.append((f"{here}.start_time", text))
+        if own.max_time is not None and own.max_time < path[-1][2]:
+            text = f"is {own.max_time:g} s, the path ends at {path[-1][2]:g} s; leave it out"
+            self._faults.append((f"{here}.max_time", text))
+        if own.waypoints:
+            text = "belongs to agents that find their way; one with a path passes its knots"
+            self._faults.append((f"{here}.waypoints", text))
 
 
-def _check_path(
-    entry: AgentFile, path: tuple[tuple[float, float, float], ...], here: str, faults: list[Fault]
-) -> None:
-    """Times of a given path rise, and what repeats it says the same."""
-    for k in range(1, len(path)):
-        if path[k][2] <= path[k - 1][2]:
-            faults.append((f"{here}.path[{k}]", "is no later than the knot before it"))
-    given = {"start": path[0][:2], "goal": path[-1][:2]}
-    for key, place in given.items():
-        value = getattr(entry, key)
-        if value is not None and _point(value) != place:
-            faults.append((f"{here}.{key}", f"differs from the path's {place}"))
-    if entry.start_time is not None and entry.start_time != path[0][2]:
-        faults.append((f"{here}.start_time", f"differs from the path's {path[0][2]:g} s"))
-    if entry.waypoints:
-        faults.append((f"{here}.waypoints", "an agent with a path has no waypoints"))
-
-
-def _pairs(file: SceneFile, ids: dict[str, int], faults: list[Fault]) -> tuple[PairRule, ...]:
-    everyone = tuple(range(len(file.agents)))
+def _pairs(
+    parts: Parts, ids: dict[str, int], faults: list[Fault], hints: Hints
+) -> tuple[PairRule, ...]:
+    everyone = tuple(range(len(parts.ids)))
+    # Of an agent whose id could not be read nothing is known, perhaps it is the one that is meant.
+    all_known = None not in parts.ids
     rules = []
-    for k, entry in enumerate(file.pairs):
+    for k, entry in enumerate(parts.pairs):
+        if entry is None:
+            continue
         sides: list[tuple[int, ...]] = []
         for s, side in enumerate(entry.between):
-            members: list[int] = []
-            for name in side if isinstance(side, list) else [side]:
-                if name == "all":
-                    members += everyone
-                elif name in ids:
-                    members.append(ids[name])
-                else:
-                    faults.append(
-                        (
-                            f"pairs[{k}].between[{s}]",
-                            f"there is no agent '{name}'{did_you_mean(name, ids)}",
-                        )
-                    )
-            sides.append(tuple(dict.fromkeys(members)))
+            names = side if isinstance(side, list) else [side]
+            for name in names:
+                if name != "all" and name not in ids and all_known:
+                    hint = hints(name, ids)
+                    faults.append((f"pairs[{k}].between[{s}]", f"there is no agent '{name}'{hint}"))
+            members = dict.fromkeys(ids[name] for name in names if name in ids)
+            sides.append(everyone if "all" in names else tuple(members))
+        left, right = sides
+        if len(left) == 1 and left == right:
+            faults.append(
+                (f"pairs[{k}].between", "is an agent and itself; two agents are expected")
+            )
         if entry.distance is None and entry.grouping is None and entry.collide is None:
             faults.append(
-                (f"pairs[{k}]", "says nothing; distance, grouping or collide is expected")
+                (f"pairs[{k}]", "changes nothing; distance, grouping or collide is expected")
             )
-        rules.append(PairRule(sides[0], sides[1], entry.distance, entry.grouping, entry.collide))
+        rules.append(PairRule(left, right, entry.distance, entry.grouping, entry.collide))
     return tuple(rules)
-
-
-def _map(entry: MapFile, directory: Path, faults: list[Fault]) -> MapSpec:
-    given = [key for key in ("mesh", "polygon", "rectangle") if getattr(entry, key) is not None]
-    if len(given) != 1:
-        found = " and ".join(given) or "none"
-        faults.append(
-            ("map", f"has {found}; exactly one of mesh, polygon and rectangle is expected")
-        )
-    if entry.holes is not None and entry.polygon is None:
-        faults.append(("map.holes", "belong to a polygon; use obstacles with other maps"))
-    if entry.up is not None and entry.mesh is None:
-        faults.append(("map.up", "belongs to a mesh"))
-    base: MeshBase | PolygonBase
-    if entry.mesh is not None:
-        base = MeshBase(_mesh_path(entry.mesh, directory, faults), _up(entry))
-    elif entry.polygon is not None:
-        outer = _ring(entry.polygon, "map.polygon", faults)
-        holes = [_ring(hole, f"map.holes[{k}]", faults) for k, hole in enumerate(entry.holes or [])]
-        base = PolygonBase(outer, tuple(holes))
-        if not faults:
-            _check_holes(base, faults)
-    else:
-        base = PolygonBase(_rectangle(entry.rectangle or [0, 0, 1, 1], "map.rectangle", faults))
-    obstacles = tuple(
-        _obstacle(obstacle, f"map.obstacles[{k}]", faults)
-        for k, obstacle in enumerate(entry.obstacles or [])
-    )
-    return MapSpec(base, obstacles, entry.resolution)
-
-
-def _up(entry: MapFile) -> Literal["x", "y", "z"]:
-    return entry.up or "z"
-
-
-def _mesh_path(text: str, directory: Path, faults: list[Fault]) -> Path:
-    path = directory / text
-    try:
-        if "\x00" in text or not path.is_file():
-            faults.append(("map.mesh", f"there is no file {text!r} beside the scene"))
-        elif path.suffix.lower() not in MESH_SUFFIXES:
-            faults.append(
-                ("map.mesh", f"is {text!r}; one of {', '.join(MESH_SUFFIXES)} is expected")
-            )
-        elif path.stat().st_size > LARGEST_MESH:
-            faults.append(("map.mesh", f"is larger than {LARGEST_MESH // 2**20} MiB"))
-    except OSError as error:
-        faults.append(("map.mesh", f"cannot be read: {error.strerror}"))
-    return path
-
-
-def _rectangle(values: list[float], path: str, faults: list[Fault]) -> tuple[Point, ...]:
-    x0, y0, x1, y1 = (float(value) for value in values)
-    if x0 >= x1 or y0 >= y1:
-        faults.append((path, "has no area; [xmin, ymin, xmax, ymax] with xmin < xmax, ymin < ymax"))
-    return ((x0, y0), (x1, y0), (x1, y1), (x0, y1))
-
-
-def _ring(points: list[list[float]], path: str, faults: list[Fault]) -> tuple[Point, ...]:
-    import shapely
-
-    ring = tuple(_point(point) for point in points)
-    shape = shapely.Polygon(ring)
-    if not shape.is_valid:
-        faults.append((path, f"is no simple ring: {shapely.is_valid_reason(shape)}"))
-    elif shape.area == 0:
-        faults.append((path, "has no area"))
-    return ring
-
-
-def _check_holes(base: PolygonBase, faults: list[Fault]) -> None:
-    import shapely
-
-    shape = shapely.Polygon(base.outer, base.holes)
-    if not shape.is_valid:
-        faults.append(("map.holes", f"do not fit the polygon: {shapely.is_valid_reason(shape)}"))
-
-
-def _obstacle(
-    entry: ObstacleFile, path: str, faults: list[Fault]
-) -> PolygonObstacle | CircleObstacle:
-    given = [key for key in ("rectangle", "polygon", "circle") if getattr(entry, key) is not None]
-    if len(given) != 1:
-        faults.append((path, "exactly one of rectangle, polygon and circle is expected"))
-    if entry.circle is not None:
-        return CircleObstacle(_point(entry.circle.center), float(entry.circle.radius))
-    if entry.polygon is not None:
-        return PolygonObstacle(_ring(entry.polygon, f"{path}.polygon", faults))
-    return PolygonObstacle(_rectangle(entry.rectangle or [0, 0, 1, 1], f"{path}.rectangle", faults))
-
-
-def _overlaps(scene: Scene) -> list[Fault]:
-    """Agents that touch where neither can move: at starts of one time, at goals they stay on."""
-    interactions = scene_interactions(scene)
-    faults: list[Fault] = []
-    times = np.array([agent.start_time for agent in scene.agents])
-    stays = np.array([agent.after_arrival == "stay" for agent in scene.agents])
-    for key, together in (
-        ("start", times[:, None] == times[None, :]),
-        ("goal", stays[:, None] & stays[None, :]),
-    ):
-        points = np.array([getattr(agent, key) for agent in scene.agents])
-        gap = np.hypot(*(points[:, None, :] - points[None, :, :]).transpose(2, 0, 1))
-        close = together & interactions.collides & (gap <= interactions.distance)
-        for a, b in zip(*np.nonzero(np.triu(close)), strict=True):
-            faults.append(
-                (
-                    f"agents[{b}].{key}",
-                    f"is {gap[a, b]:.4g} m from that of '{scene.agents[a].id}'; more than "
-                    f"{interactions.distance[a, b]:.4g} m is expected of agents that collide",
-                )
-            )
-    return faults

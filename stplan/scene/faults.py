@@ -1,60 +1,94 @@
-"""Validation errors as sentences with file, line, column and path."""
+"""What is wrong with a scene, as sentences with file, line, column and path."""
 
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Iterable
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
+from stplan.errors import SceneError
 from stplan.scene.format import SceneFile
+from stplan.scene.model import located
+from stplan.scene.reader import Tree
+
+# Beyond these, looking for similar words costs more than it helps.
+MOST_HINTS = 100
+MOST_CHOICES = 2000
+
+Fault = tuple[str, str]
+
+_EXPECTED = {
+    "greater_than": "more than {gt:g}",
+    "greater_than_equal": "at least {ge:g}",
+    "less_than": "less than {lt:g}",
+    "less_than_equal": "at most {le:g}",
+    "finite_number": "a finite number",
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "int_parsing_size": "a whole number of fewer digits",
+    "string_type": "text",
+    "bool_type": "true or false",
+    "list_type": "a list",
+    "dict_type": "a mapping of keys to values",
+    "model_type": "a mapping of keys to values",
+    "literal_error": "{expected}",
+    "too_short": "at least {min_length}",
+    "too_long": "at most {max_length}",
+    "string_too_short": "text of at least {min_length} character",
+    "string_too_long": "text of at most {max_length} characters",
+    "string_pattern_mismatch": "text that matches {pattern}",
+    "expected": "{expected}",
+}
 
 
-def sentences(error: ValidationError) -> list[tuple[str, str]]:
-    """(path, what is wrong and what is expected) of every fault, in file order, once each."""
+class Hints:
+    """``; did you mean 'x'?``, for as many faults as anyone would read."""
+
+    def __init__(self) -> None:
+        self._left = MOST_HINTS
+
+    def __call__(self, word: object, choices: Iterable[str]) -> str:
+        """The hint, or nothing where no choice is close to `word`."""
+        known = list(choices)
+        if not isinstance(word, str) or self._left == 0 or len(known) > MOST_CHOICES:
+            return ""
+        self._left -= 1
+        by_lower = {choice.lower(): choice for choice in known}
+        close = difflib.get_close_matches(word[:100].lower(), by_lower, n=1, cutoff=0.6)
+        return f"; did you mean '{by_lower[close[0]]}'?" if close else ""
+
+
+def sentences(error: ValidationError, tree: Tree, hints: Hints) -> list[Fault]:
+    """(path, what is wrong and what is expected) of every fault pydantic found."""
     found: dict[str, str] = {}
     for fault in error.errors(include_url=False):
-        steps = _steps(fault["loc"])
+        steps = fault["loc"]
         path = join(steps)
         kind = fault["type"]
         if kind == "extra_forbidden":
-            text = "unknown key" + did_you_mean(str(steps[-1]), _keys_at(steps[:-1]))
+            text = "unknown key" + (
+                hints(steps[-1], _fields_at(steps[:-1])) or f"; {_known(steps[:-1])} are known"
+            )
         elif kind == "missing":
-            text = "is missing"
+            meaning = _fields_at(steps[:-1])[str(steps[-1])].description
+            text = f"is missing; expected is: {meaning}"
         else:
-            text = _sentence(kind, fault)
-        # A union reports one fault a member; together they say what was expected.
-        found[path] = text if path not in found else f"{found[path]}; or {text}"
+            text = _sentence(kind, fault, tree.written.get(path), hints)
+        found.setdefault(path, text)
     return list(found.items())
 
 
-def _steps(location: tuple[Any, ...]) -> list[str | int]:
-    """The steps of pydantic's location that are in the file (keys and indices, no union members)."""
-    steps: list[str | int] = []
+def _fields_at(steps: Iterable[str | int]) -> dict[str, Any]:
+    """The keys of the format at `steps`."""
     model: Any = SceneFile
-    for step in location:
-        if isinstance(step, int):
-            steps.append(step)
-            continue
-        keys = _fields(model)
-        known = isinstance(model, type) and step in keys
-        if known:
-            steps.append(step)
-            model = _inner_model(keys[step].annotation)
-        elif step == location[-1] and not _is_union_member(step):
-            steps.append(step)
-    return steps
-
-
-def _is_union_member(step: str) -> bool:
-    return any(mark in step for mark in "[]-(") or step in {"float", "int", "str", "bool", "list"}
-
-
-def _fields(model: Any) -> dict[str, Any]:
-    if isinstance(model, type) and issubclass(model, BaseModel):
-        return dict(model.model_fields)
-    return {}
+    for step in steps:
+        if isinstance(step, str):
+            model = _inner_model(model.model_fields[step].annotation)
+    return dict(model.model_fields)
 
 
 def _inner_model(annotation: Any) -> Any:
@@ -68,58 +102,63 @@ def _inner_model(annotation: Any) -> Any:
     return None
 
 
-def _keys_at(steps: Iterable[str | int]) -> list[str]:
-    model: Any = SceneFile
-    for step in steps:
-        if isinstance(step, str):
-            model = (
-                _inner_model(_fields(model)[step].annotation) if step in _fields(model) else None
-            )
-    return list(_fields(model))
+def _known(steps: Iterable[str | int]) -> str:
+    *most, last = _fields_at(steps)
+    return f"{', '.join(most)} and {last}"
 
 
-def _sentence(kind: str, fault: Any) -> str:
+def _sentence(kind: str, fault: Any, written: str | None, hints: Hints) -> str:
     context = fault.get("ctx", {})
     value = fault["input"]
-    shown = repr(value) if len(repr(value)) <= 60 else repr(value)[:57] + "..."
-    expected = {
-        "greater_than": "more than {gt}",
-        "greater_than_equal": "at least {ge}",
-        "less_than": "less than {lt}",
-        "less_than_equal": "at most {le}",
-        "finite_number": "a finite number",
-        "float_type": "a number",
-        "int_type": "a whole number",
-        "int_from_float": "a whole number",
-        "string_type": "text",
-        "bool_type": "true or false",
-        "list_type": "a list",
-        "dict_type": "keys with values",
-        "model_type": "keys with values",
-        "model_attributes_type": "keys with values",
-        "literal_error": "{expected}",
-        "too_short": "at least {min_length} entries",
-        "too_long": "at most {max_length} entries",
-        "string_too_short": "at least {min_length} characters",
-        "string_too_long": "at most {max_length} characters",
-        "string_pattern_mismatch": "text that matches {pattern}",
-    }.get(kind)
-    if expected is None:
-        return f"{shown} does not do: {fault['msg']}"
-    if kind == "too_short" and isinstance(value, list):
-        shown = f"{len(value)} entries"
-    text = f"is {shown}; {expected.format(**context)} is expected"
-    if kind == "literal_error" and isinstance(value, str):
-        text += did_you_mean(
-            value, str(context["expected"]).replace("'", "").replace(",", " ").split()
+    if kind not in _EXPECTED:
+        return f"is {shown(value)}: {fault['msg']}"
+    wanted = _EXPECTED[kind].format(**context)
+    what = shown(value)
+    if kind in {"too_short", "too_long"} and isinstance(value, list):
+        what = f"a list of {len(value)}"
+    elif isinstance(value, float) and not math.isfinite(value):
+        wanted = "a finite number"
+    elif kind == "float_type" and isinstance(value, int) and not isinstance(value, bool):
+        what, wanted = "a number too large for a float", "at most 1e+09"
+    text = f"is {what}; {wanted} is expected"
+    if value is None:
+        text += " (leave the key out for its default)"
+    if written is not None:
+        text += f" (YAML reads an unquoted {written} as {shown(value)}; in quotes it is text)"
+    elif kind == "string_type" and isinstance(value, int | float):
+        text += f" (in quotes it is text: '{value}')"
+    elif kind == "float_type" and isinstance(value, str):
+        text += _why_text(value)
+    if kind == "literal_error":
+        text += hints(
+            value, str(context["expected"]).replace("'", "").replace(" or ", ", ").split(", ")
         )
     return text
 
 
-def did_you_mean(word: str, choices: Iterable[str]) -> str:
-    """``; did you mean 'x'?`` or nothing."""
-    close = difflib.get_close_matches(word, list(choices), n=1, cutoff=0.6)
-    return f"; did you mean '{close[0]}'?" if close else ""
+def _why_text(value: str) -> str:
+    """Why something that looks like a number is text."""
+    try:
+        float(value)
+    except ValueError:
+        return ""
+    return " (leave out the quotes, and zeros in front)"
+
+
+def shown(value: Any) -> str:
+    """A value as one would write it in the file, shortened."""
+    if value is None:
+        return "empty"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list):
+        return f"a list of {len(value)}"
+    if isinstance(value, float) and not math.isfinite(value):
+        return "nan" if math.isnan(value) else ("inf" if value > 0 else "-inf")
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def join(steps: Iterable[str | int]) -> str:
@@ -128,3 +167,25 @@ def join(steps: Iterable[str | int]) -> str:
     for step in steps:
         path += f"[{step}]" if isinstance(step, int) else (f".{step}" if path else step)
     return path
+
+
+def scene_error(
+    name: str, tree: Tree, overridden: dict[str, str], faults: Iterable[Fault]
+) -> SceneError:
+    """All faults in the order of the file, those of overrides last, as one error."""
+    messages: dict[str, tuple[bool, int, int]] = {}
+    # What the reader stepped over left a hole, about which nothing more is said.
+    holes = {path for path, _, _ in tree.faults}
+    for path, (line, column), text in tree.faults:
+        message = (
+            f"{name}:{line}:{column}: {path}: {text}"
+            if path
+            else (f"{name}:{line}:{column}: {text}")
+        )
+        messages[message] = (False, line, column)
+    for path, text in faults:
+        if path in holes:
+            continue
+        message, place = located(name, tree.locations, overridden, path, text)
+        messages.setdefault(message, (place is None, *(place or (0, 0))))
+    return SceneError(sorted(messages, key=messages.__getitem__))

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from stplan.scene.model import SeedingSettings, SolverSettings
 from stplan.scene.quantities import (
     Factor,
     Identifier,
@@ -24,7 +25,7 @@ from stplan.scene.quantities import (
     Rectangle,
     Ring,
     Side,
-    count,
+    Version,
 )
 
 FORMAT = 1
@@ -32,13 +33,19 @@ MOST_AGENTS = 10_000
 MOST_PAIRS = 100_000
 MOST_KNOTS = 100_000
 _GIVEN = NotNull()
-_AUTO = Or("auto")
+# Defaults have one home, the model.
+_SEEDING = SeedingSettings()
+_SOLVER = SolverSettings()
+_LAYERS = Annotated[int, Field(ge=2, le=100_000)]
+_KNOTS = Annotated[int, Field(ge=3, le=10_000)]
+_Tolerance = Annotated[Factor, Field(le=1e6)]
+_RANGE = Annotated[float, Field(gt=0, allow_inf_nan=True)]
 
 
-def _key(description: str, default: Any = None, **more: Any) -> Any:
+def _key(description: str, default: float | str | None = None) -> Any:
     """A key that may be left out; `default` is what a reader may take for granted then."""
-    extra = {} if default is None else {"json_schema_extra": {"default": default}}
-    return Field(None, description=description, **extra, **more)
+    extra: dict[str, Any] = {} if default is None else {"default": default}
+    return Field(None, description=description, json_schema_extra=extra)
 
 
 class _Model(BaseModel):
@@ -53,7 +60,7 @@ class WeightsFile(_Model):
     arrival: Annotated[NotNegative | None, _GIVEN] = _key(
         "K^T of arriving at another time than preferred_time", 0.0
     )
-    regularity: Annotated[NotNegative | None, _GIVEN, _AUTO] | Literal["auto"] = _key(
+    regularity: Annotated[float | Literal["auto"] | None, Or(NotNegative, "auto")] = _key(
         "K^R of unevenly spaced knots; auto scales it by the seed's kinetic cost", "auto"
     )
     collision: Annotated[NotNegative | None, _GIVEN] = _key(
@@ -80,9 +87,9 @@ class SharedFields(_Model):
     after_arrival: Annotated[Literal["stay", "vanish"] | None, _GIVEN] = _key(
         "stay on the goal until the horizon, or vanish on arrival", "stay"
     )
-    waypoints: Annotated[
-        Annotated[list[Point], Field(max_length=1000)] | None, _GIVEN
-    ] = _key("points [x, y] in m, passed in this order at free times")
+    waypoints: Annotated[Annotated[list[Point], Field(max_length=1000)] | None, _GIVEN] = _key(
+        "points [x, y] in m, passed in this order at free times"
+    )
     weights: Annotated[WeightsFile | None, _GIVEN] = _key(
         "weights of the costs; those left out come from `defaults`, one by one"
     )
@@ -121,9 +128,9 @@ class ObstacleFile(_Model):
 class MapFile(_Model):
     """Where agents may be: exactly one base (mesh, polygon or rectangle), less the obstacles."""
 
-    mesh: Annotated[
-        Annotated[str, Field(min_length=1, max_length=1000)] | None, _GIVEN
-    ] = _key("base: a flat mesh (OBJ, PLY, OFF, STL, GLB), in m, path relative to the scene file")
+    mesh: Annotated[Annotated[str, Field(min_length=1, max_length=1000)] | None, _GIVEN] = _key(
+        "base: a flat mesh (OBJ, PLY, OFF, STL, GLB), in m, path relative to the scene file"
+    )
     up: Annotated[Literal["x", "y", "z"] | None, _GIVEN] = _key(
         "axis of the mesh that is dropped", "z"
     )
@@ -148,79 +155,79 @@ class PairFile(_Model):
         "comfort distance of the centres, m, instead of the sum of the radii"
     )
     grouping: Annotated[NotNegative | None, _GIVEN] = _key(
-        "K^G, above 0 it draws the pair together", 0.0
+        "K^G, above 0 it draws the pair together"
     )
-    collide: Annotated[bool | None, _GIVEN] = _key(
-        "false lets the pair pass through each other", True
-    )
+    collide: Annotated[bool | None, _GIVEN] = _key("false lets the pair pass through each other")
 
 
 class SeedingFile(_Model):
     """How initial curves are found."""
 
     method: Literal["auto", "dijkstra", "search", "relaxation"] = Field(
-        "auto", description="way of finding initial curves; auto tries several"
+        _SEEDING.method, description="way of finding initial curves; auto tries several"
     )
-    layers: Annotated[count(2, 100_000), _AUTO] = Field(  # type: ignore[valid-type]
+    layers: Annotated[int | Literal["auto"], Or(_LAYERS, "auto")] = Field(
         "auto", description="number of layers in time of the space-time graph"
     )
     margin: Annotated[float, Field(ge=1, le=10, allow_inf_nan=False)] = Field(
-        1.05, description="factor on distances while seeding, where there is room"
+        _SEEDING.margin, description="factor on distances while seeding, where there is room"
     )
-    time_limit: Positive = Field(60.0, description="how long to look for initial curves, s")
+    time_limit: Positive = Field(
+        _SEEDING.time_limit, description="how long to look for initial curves, s"
+    )
     rng_seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = Field(
-        0, description="seed of the random generator"
+        _SEEDING.rng_seed, description="seed of the random generator"
     )
 
 
 class SolverFile(_Model):
     """How curves are optimised."""
 
-    knots: Annotated[count(3, 10_000), _AUTO] = Field(  # type: ignore[valid-type]
+    knots: Annotated[int | Literal["auto"], Or(_KNOTS, "auto")] = Field(
         "auto", description="knots per agent; auto follows the initial curves"
     )
-    mu: Annotated[Factor, _AUTO] | Literal["auto"] = Field(
+    mu: Annotated[float | Literal["auto"], Or(Factor, "auto")] = Field(
         "auto", description="first weight of the barriers; auto scales with the costs"
     )
     mu_decay: Annotated[float, Field(gt=0, le=1, allow_inf_nan=False)] = Field(
-        0.75, description="factor on mu from one outer iteration to the next (the paper's c)"
+        _SOLVER.mu_decay,
+        description="factor on mu from one outer iteration to the next (the paper's c)",
     )
     outer_iterations: Annotated[int, Field(ge=1, le=1000)] = Field(
-        5, description="most values of mu"
+        _SOLVER.outer_iterations, description="most values of mu"
     )
     max_iterations: Annotated[int, Field(ge=0, le=1_000_000)] = Field(
-        100, description="most Ipopt iterations per outer iteration"
+        _SOLVER.max_iterations, description="most Ipopt iterations per outer iteration"
     )
-    step_tolerance: Annotated[Factor, Field(le=1e6)] = Field(
-        1.0e-2, description="step of an outer iteration, relative, that counts as converged"
+    step_tolerance: _Tolerance = Field(
+        _SOLVER.step_tolerance,
+        description="step of an outer iteration, relative, that counts as converged",
     )
-    optimality_tolerance: Annotated[Factor, Field(le=1e6)] = Field(
-        1.0e-2, description="scaled optimality error that counts as converged"
+    optimality_tolerance: _Tolerance = Field(
+        _SOLVER.optimality_tolerance, description="scaled optimality error that counts as converged"
     )
     alpha: Positive = Field(
-        50.0, description="alpha_0, sharpness of the smooth minimum distance, 1/m"
+        _SOLVER.alpha, description="alpha_0, sharpness of the smooth minimum distance, 1/m"
     )
     clearance_model: Literal["contacts", "smooth-minimum"] = Field(
-        "contacts", description="how clearances enter; smooth-minimum is the paper's"
+        _SOLVER.clearance_model, description="how clearances enter; smooth-minimum is the paper's"
     )
-    barrier_range: Annotated[
-        Annotated[float, Field(gt=0, allow_inf_nan=True)], Or("auto", "inf")
-    ] | Literal["auto", "inf"] = Field(
+    barrier_range: Annotated[float | Literal["auto", "inf"], Or(_RANGE, "auto", "inf")] = Field(
         "auto", description="clearance at which repulsion starts, m; inf: the paper's logarithm"
     )
     hessian: Literal["gauss-newton", "exact", "limited-memory"] = Field(
-        "gauss-newton", description="second derivatives given to Ipopt"
+        _SOLVER.hessian, description="second derivatives given to Ipopt"
     )
     linear_solver: Annotated[
         str, Field(min_length=1, max_length=40, pattern=r"^[a-z][a-z0-9-]*$")
-    ] = Field("mumps", description="Ipopt's linear solver")
+    ] = Field(_SOLVER.linear_solver, description="Ipopt's linear solver")
     ipopt: Options = Field({}, description="further Ipopt options by name, passed on as they are")
 
 
 class SceneFile(_Model):
     """A scene file of format 1. Lengths in m, times in s, masses in kg."""
 
-    stplan: Literal[1] = Field(description="version of this format")
+    stplan: Version = Field(description="version of this format")
     name: Annotated[
         Annotated[str, Field(max_length=100, pattern=r"^[a-z0-9][a-z0-9_-]*$")] | None, _GIVEN
     ] = _key("name of the output folder; default: the file's stem")

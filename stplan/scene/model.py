@@ -139,6 +139,7 @@ class Scene:
         horizon: T^max of agents without their own (s).
         time_scale: c in m/s; the space-time metric is dx^2 + dy^2 + (c dt)^2.
         locations: (line, column), from 1, of every path of the file such as ``agents[2].radius``.
+        overridden: the ``--set`` argument that decided a path, where one did.
     """
 
     name: str
@@ -153,16 +154,38 @@ class Scene:
     seeding: SeedingSettings
     solver: SolverSettings
     locations: Mapping[str, tuple[int, int]] = field(default_factory=dict, repr=False)
+    overridden: Mapping[str, str] = field(default_factory=dict, repr=False)
 
     def located(self, path: str, message: str) -> str:
         """`message` headed by file, line, column and `path` (or its nearest known ancestor)."""
-        known = path
-        while known not in self.locations and known:
-            known = known[: max(known.rfind("."), known.rfind("["), 0)]
-        line, column = self.locations.get(known, (1, 1))
-        return f"{self.source or self.name}:{line}:{column}: {path}: {message}"
+        name = str(self.source or self.name)
+        return located(name, self.locations, self.overridden, path, message)[0]
 
     @property
     def final_time(self) -> float:
         """Until when a staying agent stands on its goal: the horizon, or the latest `max_time`."""
         return max(self.horizon, *(agent.max_time for agent in self.agents))
+
+
+def located(
+    name: str,
+    locations: Mapping[str, tuple[int, int]],
+    overridden: Mapping[str, str],
+    path: str,
+    message: str,
+) -> tuple[str, tuple[int, int] | None]:
+    """`message` headed by its place: of `path`, of its nearest ancestor in the file, or a ``--set``.
+
+    The place alone comes second, None for an override.
+    """
+    text = f"{path}: {message}" if path else message
+    known = path
+    while known:
+        if known in overridden:
+            return f"--set {overridden[known]}: {text}", None
+        known = known[: max(known.rfind("."), known.rfind("["), 0)]
+    known = path
+    while known not in locations and known:
+        known = known[: max(known.rfind("."), known.rfind("["), 0)]
+    line, column = locations.get(known, (1, 1))
+    return f"{name}:{line}:{column}: {text}", (line, column)
