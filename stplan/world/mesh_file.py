@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import io
+import logging
+import re
 import warnings
 from pathlib import Path
 from typing import Any
@@ -14,6 +17,7 @@ from stplan.errors import SceneError
 from stplan.scene.model import MeshBase, Scene
 
 MOST_VERTICES = 5_000_000
+_TEXT_KINDS = ("obj", "off")
 _KEPT_AXES = {"x": (1, 2), "y": (0, 2), "z": (0, 1)}
 
 
@@ -25,20 +29,11 @@ def read_flat_mesh(path: Path, up: str) -> tuple[FloatArray, IntArray]:
     Raises:
         SceneError: the file is no mesh, or has no area.
     """
-    import trimesh
-
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            loaded = trimesh.load(path, process=False, skip_materials=True)
-            mesh: Any = loaded.to_geometry() if isinstance(loaded, trimesh.Scene) else loaded
-        vertices = np.asarray(mesh.vertices, dtype=np.float64)
-        triangles = np.asarray(mesh.faces, dtype=np.int64).reshape(-1, 3)
-    except KeyboardInterrupt:
-        raise
+        vertices, triangles = _load(path)
     except Exception as error:  # a hostile file may raise anything at all inside the reader
         raise SceneError(
-            f"{path.name} cannot be read as a mesh ({type(error).__name__})"
+            f"{path.name} cannot be read: it is damaged, cut short or no {path.suffix} mesh"
         ) from error
     if not len(triangles):
         raise SceneError(f"{path.name} has no faces")
@@ -60,6 +55,36 @@ def read_flat_mesh(path: Path, up: str) -> tuple[FloatArray, IntArray]:
     if not keep.any():
         raise SceneError(f"{path.name} has no area seen along its {up} axis")
     return flat, triangles[keep]
+
+
+def _load(path: Path) -> tuple[FloatArray, IntArray]:
+    """Vertices (V, 3) and triangles (F, 3) as the file has them, no faces if it has only lines."""
+    import trimesh
+
+    kind = path.suffix.lower().removeprefix(".")
+    content = path.read_bytes()
+    if kind in _TEXT_KINDS:
+        # Names and comments may be in any encoding; materials and textures are none of our business.
+        content = content.decode("utf-8", errors="replace").encode()
+    logger = logging.getLogger("trimesh")
+    level = logger.level
+    logger.setLevel(logging.CRITICAL + 1)
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            loaded = trimesh.load(
+                io.BytesIO(content), file_type=kind, process=False, skip_materials=True
+            )
+            mesh: Any = loaded.to_geometry() if isinstance(loaded, trimesh.Scene) else loaded
+    finally:
+        logger.setLevel(level)
+    triangles = np.asarray(getattr(mesh, "faces", ()), dtype=np.int64).reshape(-1, 3)
+    if kind == "off":
+        # The reader takes what it finds, however many faces the head of the file announces.
+        words = re.sub(rb"#.*", b"", content[:4096]).split()[:3]
+        if words[0] == b"OFF" and len(triangles) < int(words[2]):
+            raise ValueError("faces are missing")
+    return np.asarray(mesh.vertices, dtype=np.float64).reshape(-1, 3), triangles
 
 
 def mesh_polygon(scene: Scene, base: MeshBase) -> shapely.Geometry:
