@@ -76,7 +76,7 @@ def relax(
     deadline = time.perf_counter() + time_limit
     rng = np.random.default_rng(rng_seed)
     curves = initial_curves(problem, initial, num_knots, rng)
-    relaxation = _Relaxation(problem, curves, _wanted(problem, curves, margin), margin, rng)
+    relaxation = _Relaxation(problem, curves, _wanted(problem, curves, margin), rng)
     sweeps = 0
     stuck: list[tuple[int, int]] = []
     while sweeps < max_sweeps:
@@ -116,7 +116,6 @@ class _Relaxation:
         problem: RodProblem,
         curves: Sequence[FloatArray],
         required: Requirement,
-        margin: float,
         rng: np.random.Generator,
     ) -> None:
         self.problem = problem
@@ -125,9 +124,9 @@ class _Relaxation:
         self.strings = Strings.build(problem, curves)
         self.first_positions = self.strings.positions.copy()
         self.movable = np.flatnonzero(~problem.fixed)
-        self.rod_target = _aim(required.rods, problem.distance, margin)
+        self.rod_target = AIM * required.rods
         heeds = problem.heeds_walls & (problem.boundary is not None)
-        self.wall_target = np.where(heeds, _aim(required.walls, problem.radii, margin), 0.0)
+        self.wall_target = np.where(heeds, AIM * required.walls, 0.0)
         total = problem.masses[:, None] + problem.masses[None, :]
         self.share = np.clip(2.0 * problem.masses[None, :] / total, LEAST_SHARE, 1.0)
         self.skin = float(np.median(problem.radii))
@@ -258,11 +257,3 @@ class _Relaxation:
                 for a in range(self.problem.num_agents)
             ]
         )
-
-
-def _aim(required: FloatArray, least: FloatArray, margin: float) -> FloatArray:
-    """What springs aim at: a little beyond `required`, less where fixed ends leave no room."""
-    clipped = required < margin * least * (1.0 - 1e-12)
-    room = np.where(clipped, 0.5 * (required - least), np.inf)
-    aim: FloatArray = required + np.minimum((AIM - 1.0) * required, room)
-    return aim

@@ -314,11 +314,12 @@ def _fixed_pieces(problem: RodProblem, agent: int) -> list[FloatArray]:
     path = problem.paths[agent]
     if path is not None:
         return [problem.rod(agent, path)]
-    low = problem.time_scale * problem.max_times[agent]
-    high = problem.time_scale * problem.final_time if problem.stays[agent] else low
     start = [*problem.starts[agent], problem.time_scale * problem.start_times[agent]]
-    goal = [[*problem.goals[agent], low], [*problem.goals[agent], high]]
-    return [np.array([start, start]), np.array(goal)]
+    pieces = [np.array([start, start])]
+    if problem.stays[agent]:
+        times = problem.time_scale * np.array([problem.max_times[agent], problem.final_time])
+        pieces.append(np.column_stack([np.tile(problem.goals[agent], (2, 1)), times]))
+    return pieces
 
 
 def _near_pairs(
