@@ -10,7 +10,7 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 
 from stplan.errors import SceneError
-from stplan.scene.format import SceneFile
+from stplan.scene.format import AgentFile, SceneFile
 from stplan.scene.model import located
 from stplan.scene.reader import Tree
 
@@ -54,12 +54,18 @@ class Hints:
     def __call__(self, word: object, choices: Iterable[str]) -> str:
         """The hint, or nothing where no choice is close to `word`."""
         known = list(choices)
-        if not isinstance(word, str) or self._left == 0 or len(known) > MOST_CHOICES:
+        if (
+            not isinstance(word, str)
+            or word in known
+            or not self._left
+            or len(known) > MOST_CHOICES
+        ):
             return ""
         self._left -= 1
         by_lower = {choice.lower(): choice for choice in known}
         close = difflib.get_close_matches(word[:100].lower(), by_lower, n=1, cutoff=0.6)
-        return f"; did you mean '{by_lower[close[0]]}'?" if close else ""
+        near = by_lower[close[0]] if close else word
+        return "" if near == word else f"; did you mean '{near}'?"
 
 
 def sentences(error: ValidationError, tree: Tree, hints: Hints) -> list[Fault]:
@@ -70,9 +76,7 @@ def sentences(error: ValidationError, tree: Tree, hints: Hints) -> list[Fault]:
         path = join(steps)
         kind = fault["type"]
         if kind == "extra_forbidden":
-            text = "unknown key" + (
-                hints(steps[-1], _fields_at(steps[:-1])) or f"; {_known(steps[:-1])} are known"
-            )
+            text = _unknown(steps, hints)
         elif kind == "missing":
             meaning = _fields_at(steps[:-1])[str(steps[-1])].description
             text = f"is missing; expected is: {meaning}"
@@ -102,9 +106,12 @@ def _inner_model(annotation: Any) -> Any:
     return None
 
 
-def _known(steps: Iterable[str | int]) -> str:
-    *most, last = _fields_at(steps)
-    return f"{', '.join(most)} and {last}"
+def _unknown(steps: tuple[str | int, ...], hints: Hints) -> str:
+    known = _fields_at(steps[:-1])
+    if steps[0] == "defaults" and len(steps) == 2 and steps[1] in AgentFile.model_fields:
+        return "is for each agent to say; any other key of agents is expected in defaults"
+    *most, last = known
+    return "unknown key" + (hints(steps[-1], known) or f"; {', '.join(most)} and {last} are known")
 
 
 def _sentence(kind: str, fault: Any, written: str | None, hints: Hints) -> str:
@@ -123,16 +130,17 @@ def _sentence(kind: str, fault: Any, written: str | None, hints: Hints) -> str:
     text = f"is {what}; {wanted} is expected"
     if value is None:
         text += " (leave the key out for its default)"
-    if written is not None:
+    if kind == "string_type" and written is not None:
         text += f" (YAML reads an unquoted {written} as {shown(value)}; in quotes it is text)"
     elif kind == "string_type" and isinstance(value, int | float):
-        text += f" (in quotes it is text: '{value}')"
-    elif kind == "float_type" and isinstance(value, str):
+        text += f" (in quotes it is text: '{shown(value)}')"
+    elif kind in {"float_type", "int_type", "literal_error"} and isinstance(value, str):
         text += _why_text(value)
     if kind == "literal_error":
-        text += hints(
-            value, str(context["expected"]).replace("'", "").replace(" or ", ", ").split(", ")
-        )
+        choices = str(context["expected"]).replace("'", "").replace(" or ", ", ")
+        text += hints(value, choices.split(", "))
+    elif "words" in context:
+        text += hints(value, context["words"])
     return text
 
 
