@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 import shapely
 
-from stplan.arrays import FloatArray
+from stplan.arrays import FloatArray, IntArray
 from stplan.seeding.layered import exact_points
 from stplan.seeding.rod_kernels import rod_distance
 from stplan.seeding.rods import RodProblem
@@ -19,7 +19,7 @@ from stplan.smooth_distance.segments import closest_parameters
 if TYPE_CHECKING:
     from stplan.world import FreeSpace
 
-Kind = Literal["start", "goal", "not connected", "roadmap", "layers", "touching"]
+Kind = Literal["start", "goal", "not connected", "roadmap", "layers", "order", "touching"]
 
 # Erosion uses slightly less than the radius, so that rounded corners never prove too much.
 EROSION = 1.0 - 1e-3
@@ -132,6 +132,35 @@ def stranded(problem: RodProblem, agents: Sequence[int], margin: float) -> tuple
             f"that keeps {margin:g} times the radius from the walls",
         )
         for agent in agents
+    )
+
+
+def off_mesh(problem: RodProblem, agents: Sequence[int], margin: float) -> tuple[Reason, ...]:
+    """The seeding mesh does not connect `agents`."""
+    return tuple(
+        Reason(
+            "roadmap",
+            (agent,),
+            False,
+            f"{problem.agent_ids[agent]}: no edges of the mesh lead from start to goal at "
+            f"{margin:g} times its radius from the walls; lower map.resolution",
+        )
+        for agent in agents
+    )
+
+
+def no_order(problem: RodProblem, failures: IntArray) -> tuple[Reason, ...]:
+    """In no order tried did everybody find a way; `failures` (A,) counts who did not."""
+    worst = [int(agent) for agent in np.argsort(-failures, kind="stable")[:MOST_PAIRS]]
+    return tuple(
+        Reason(
+            "order",
+            (agent,),
+            False,
+            f"{problem.agent_ids[agent]} found no way past the others in {failures[agent]} orders",
+        )
+        for agent in worst
+        if failures[agent] > 0
     )
 
 

@@ -1,143 +1,117 @@
 """The paper's initial paths: sequential Dijkstra on the mesh extruded into time layers.
 
-Agents are planned one after another. Each finds the way of least space-time length
-sum sqrt(dx^2 + dy^2 + (c dt)^2) along waiting and walking edges that are clear of the walls and of
-the rods of the agents before it, then its own rod is reserved. Every edge of the extruded graph
-leads one layer up, so settling vertices layer by layer visits them in an order that Dijkstra's
-queue would allow, without a queue. If an agent finds no way, it goes first in the next order; after
-that orders are random.
-
-With a finite penalty the same search passes through reserved rods at a price, which is what
-the repair of neighbourhoods starts from.
+Agents are planned one after another, in scene order. Each finds the way of least space-time length
+sum sqrt(dx^2 + dy^2 + (c dt)^2) along waiting and walking edges of the mesh that are clear of the
+walls and of the rods of the agents before it; then its own rod is reserved, which wipes out the
+edges within the agents' distance of it. An agent that finds no way goes first in the next order;
+when everybody has been first, orders are random; then layers are added.
 """
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from stplan.arrays import BoolArray, FloatArray, IntArray
-from stplan.compiled import kernel
-from stplan.seeding.graph import UNREACHABLE, Graph
-from stplan.seeding.reservations import CountArray
+from stplan.arrays import FloatArray, IntArray
+from stplan.scene.model import SeedingSettings
+from stplan.seeding.cheapest_path import HARD, space_time_length
+from stplan.seeding.diagnosis import hopeless, late, no_order, off_mesh
+from stplan.seeding.layered import Journeys, LayeredPlanner, automatic_layers, exact_points
+from stplan.seeding.roadmap import mesh_roadmap
+from stplan.seeding.rods import RodProblem, requirement, verify
+from stplan.seeding.search import SearchResult
 
-HARD = np.inf
+if TYPE_CHECKING:
+    from stplan.world import FreeSpace, SeedingMesh
+
+MARGINS = (1.02, 1.005, 1.001)
+LAYER_FACTORS = (1, 2, 4)
 
 
-def cheapest_path(
-    graph: Graph,
-    start: int,
-    targets: IntArray,
-    hops: IntArray,
-    free: BoolArray,
-    table: CountArray,
-    cost: FloatArray,
+def dijkstra_curves(
+    problem: RodProblem,
+    free_space: FreeSpace | None,
+    mesh: SeedingMesh,
     *,
-    first_layer: int,
-    last_layer: int,
-    penalty: float = HARD,
-    stays: bool,
-) -> IntArray | None:
-    """Vertices at layers `first_layer`, ... of the cheapest way through the layers, or None.
+    settings: SeedingSettings,
+    progress: Callable[[str], None] | None = None,
+) -> SearchResult:
+    """Clear curves by sequential Dijkstra on `mesh`, or why there are none.
 
-    Arguments are those of `SafeIntervalSearch.path`, and besides:
-
-    Args:
-        cost: (M,) cost of every move.
-        penalty: cost of each blocking rod of a move; HARD forbids blocked moves.
+    Uses `margin`, `layers`, `time_limit` and `rng_seed` of `settings`.
     """
-    layered = np.ascontiguousarray(table.T)
-    path = _cheapest(
-        start, targets, hops, free, layered, cost, first_layer, last_layer, penalty, stays,
-        graph.out_offsets, graph.out_moves, graph.move_to,
-    )  # fmt: skip
-    return path if len(path) else None
-
-
-def space_time_length(graph: Graph, height: float) -> FloatArray:
-    """(M,) length in space-time of every move of a layer `height` = c dt (m)."""
-    return np.hypot(graph.length, height)
-
-
-@kernel
-def _price(count: int, penalty: float) -> float:
-    """Cost of a move blocked by `count` rods."""
-    return count * penalty if count > 0 else 0.0
-
-
-@kernel
-def _cheapest(
-    start: int,
-    targets: IntArray,
-    hops: IntArray,
-    free: BoolArray,
-    layered: CountArray,
-    cost: FloatArray,
-    first_layer: int,
-    last_layer: int,
-    penalty: float,
-    stays: bool,
-    out_offsets: IntArray,
-    out_moves: IntArray,
-    move_to: IntArray,
-) -> IntArray:
-    """The cheapest path, empty if there is none; `layered` (L, M) is the transposed table."""
-    num_layers = len(layered)
-    num_legs, num_vertices = hops.shape
-    nothing = np.empty(0, np.int64)
-    leg = 0
-    while leg < num_legs - 1 and start == targets[leg]:
-        leg += 1
-    if hops[leg, start] >= UNREACHABLE or last_layer < first_layer:
-        return nothing
-    goal = targets[num_legs - 1]
-    final = (num_legs - 1) * num_vertices + goal
-    # What staying on the goal from a layer on costs.
-    tail = np.zeros(num_layers + 1)
-    if stays:
-        for layer in range(num_layers - 1, -1, -1):
-            tail[layer] = tail[layer + 1] + _price(layered[layer, goal], penalty)
-    span = last_layer - first_layer
-    parent = np.full((span + 1, num_legs * num_vertices), -1, np.int32)
-    here = np.full(num_legs * num_vertices, np.inf)
-    here[leg * num_vertices + start] = 0.0
-    best = tail[first_layer] if leg * num_vertices + start == final else np.inf
-    best_layer = 0
-    cheapest_move = cost.min()
-    for step in range(span):
-        layer = first_layer + step
-        after = np.full(num_legs * num_vertices, np.inf)
-        for state in range(num_legs * num_vertices):
-            if here[state] >= best:
+    say = progress or (lambda line: None)
+    deadline = time.perf_counter() + settings.time_limit
+    reasons = hopeless(problem, free_space)
+    if reasons:
+        return SearchResult(None, "", settings.margin, 0, reasons)
+    rng = np.random.default_rng(settings.rng_seed)
+    roadmap = mesh_roadmap(mesh, np.vstack(exact_points(problem)))
+    tries = 0
+    for factor in LAYER_FACTORS:
+        for margin in (settings.margin, *(m for m in MARGINS if m < settings.margin)):
+            required = requirement(problem, margin)
+            journeys = Journeys(problem, roadmap.graph, roadmap.place_of, required)
+            if journeys.stranded():
+                reasons = reasons or off_mesh(problem, journeys.stranded(), margin)
                 continue
-            leg = state // num_vertices
-            vertex = state - leg * num_vertices
-            if here[state] + hops[leg, vertex] * cheapest_move >= best:
+            layers = settings.layers or automatic_layers(problem, roadmap.graph, journeys)
+            planner = LayeredPlanner(problem, roadmap.graph, journeys, required, factor * layers)
+            if planner.too_late():
+                reasons = reasons or late(problem, planner.too_late(), planner.grid.count)
                 continue
-            # The wait is the move before the first walk.
-            for place in range(out_offsets[vertex] - 1, out_offsets[vertex + 1]):
-                move = vertex if place < out_offsets[vertex] else out_moves[place]
-                if not free[move]:
-                    continue
-                other = move_to[move]
-                total = here[state] + cost[move] + _price(layered[layer, move], penalty)
-                next_leg = leg
-                while next_leg < num_legs - 1 and other == targets[next_leg]:
-                    next_leg += 1
-                reached = next_leg * num_vertices + other
-                if total >= after[reached] or layer + 1 + hops[next_leg, other] > last_layer:
-                    continue
-                after[reached] = total
-                parent[step + 1, reached] = state
-        here = after
-        if here[final] + tail[layer + 1] < best:
-            best = here[final] + tail[layer + 1]
-            best_layer = step + 1
-    if not np.isfinite(best):
-        return nothing
-    path = np.empty(best_layer + 1, np.int64)
-    state = final if best_layer > 0 else start
-    for step in range(best_layer, 0, -1):
-        path[step] = state % num_vertices
-        state = parent[step, state]
-    path[0] = state % num_vertices
-    return path
+            say(f"Dijkstra: {roadmap.graph.num_vertices} vertices, {planner.grid.count} layers")
+            curves, orders, failures = _in_orders(
+                planner, rng, lambda: time.perf_counter() > deadline
+            )
+            tries += orders
+            if curves is not None and not verify(problem, curves, planner.required):
+                return SearchResult(curves, "dijkstra", margin, tries, ())
+            reasons = no_order(problem, failures)
+            if time.perf_counter() > deadline:
+                return SearchResult(None, "", settings.margin, tries, reasons)
+    return SearchResult(None, "", settings.margin, tries, reasons)
+
+
+def _in_orders(
+    planner: LayeredPlanner, rng: np.random.Generator, stopped: Callable[[], bool]
+) -> tuple[list[FloatArray] | None, int, IntArray]:
+    """Curves or None, orders tried, and (A,) how often each agent found no way."""
+    failures = np.zeros(planner.problem.num_agents, dtype=np.int64)
+    order = list(planner.movers)
+    cost = space_time_length(planner.graph, planner.grid.height)
+    bumps = 0
+    max_orders = 2 * len(order) + 4
+    for attempt in range(max_orders):
+        curves, failed = _sequential(planner, order, cost)
+        if curves is not None:
+            return curves, attempt + 1, failures
+        failures[failed] += 1
+        if stopped():
+            return None, attempt + 1, failures
+        if bumps < len(order) and order[0] != failed:
+            order.remove(failed)
+            order.insert(0, failed)
+            bumps += 1
+        else:
+            order = [int(agent) for agent in rng.permutation(np.array(order))]
+            bumps = 0
+    return None, max_orders, failures
+
+
+def _sequential(
+    planner: LayeredPlanner, order: list[int], cost: FloatArray
+) -> tuple[list[FloatArray] | None, int]:
+    """Curves of all agents planned in `order` and -1, or None and the agent without a way."""
+    planner.reset()
+    curves = [path if path is not None else np.empty((0, 3)) for path in planner.problem.paths]
+    for agent in order:
+        path = planner.cheapest_path(agent, cost, HARD)
+        if path is None:
+            return None, agent
+        curves[agent] = planner.curve(agent, path)
+        planner.add(planner.blocks(agent, curves[agent]))
+    return curves, -1

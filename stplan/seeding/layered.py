@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
-from stplan.seeding.dijkstra import cheapest_path
+from stplan.seeding.cheapest_path import cheapest_path
 from stplan.seeding.graph import UNREACHABLE, Graph, shortest_way
 from stplan.seeding.reservations import (
     MEMORY_LIMIT,

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stplan.arrays import BoolArray, FloatArray
+from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.seeding.cheapest_path import space_time_length
 from stplan.seeding.conflicts import CurveSet
-from stplan.seeding.dijkstra import space_time_length
 from stplan.seeding.layered import LayeredPlanner
 
 LARGEST_NEIGHBOURHOOD = 8
@@ -45,19 +45,31 @@ class Repaired:
     touching: list[tuple[int, int]]
 
 
-def own_ways(planner: LayeredPlanner) -> list[FloatArray] | None:
-    """Everybody's earliest way, heeding only agents that move as told; None if someone has none."""
+def first_curves(planner: LayeredPlanner, rng: np.random.Generator) -> list[FloatArray] | None:
+    """Curves planned in random order, each free if it can be, else touching as few as it can.
+
+    None if someone has no way at all.
+    """
     planner.reset()
-    curves = []
-    for agent, given in enumerate(planner.problem.paths):
-        if given is not None:
-            curves.append(given)
-            continue
+    curves = [path if path is not None else np.empty((0, 3)) for path in planner.problem.paths]
+    for agent in (int(agent) for agent in rng.permutation(np.array(planner.movers))):
         path = planner.path(agent)
         if path is None:
+            path = _least_touching(planner, agent, PENALTIES[0], rng)
+        if path is None:
             return None
-        curves.append(planner.curve(agent, path))
+        curves[agent] = planner.curve(agent, path)
+        planner.add(planner.blocks(agent, curves[agent]))
     return curves
+
+
+def _least_touching(
+    planner: LayeredPlanner, agent: int, penalty: float, rng: np.random.Generator
+) -> IntArray | None:
+    """A way through other rods at a `penalty`, in mean costs of a move; a little random."""
+    cost = space_time_length(planner.graph, planner.grid.height)
+    cost *= 1.0 + 0.1 * rng.random(len(cost))
+    return planner.cheapest_path(agent, cost, penalty * float(cost.mean()))
 
 
 def repair(
@@ -130,9 +142,7 @@ def _replan(
         if path is None and hold > 0:
             path = planner.path(agent)
         if path is None and rng.random() < 0.8:
-            cost = space_time_length(planner.graph, planner.grid.height)
-            cost *= 1.0 + 0.1 * rng.random(len(cost))
-            path = planner.cheapest_path(agent, cost, penalty * float(cost.mean()))
+            path = _least_touching(planner, agent, penalty, rng)
         curve = old[agent] if path is None else planner.curve(agent, path)
         state.put(agent, curve)
         planner.add(state.blocks(agent))

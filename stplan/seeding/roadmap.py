@@ -20,7 +20,7 @@ from stplan.arrays import FloatArray, IntArray
 from stplan.seeding.graph import Graph, make_graph
 
 if TYPE_CHECKING:
-    from stplan.world import FreeSpace
+    from stplan.world import FreeSpace, SeedingMesh
 
 # A graph with more vertices than this costs more in reservations than its resolution gains.
 MAX_VERTICES = 7000
@@ -92,6 +92,14 @@ def build_roadmap(
     kept = clearance[len(vertices) :] > floor
     clearance = np.concatenate([clearance[: len(vertices)], clearance[len(vertices) :][kept]])
     return Roadmap(make_graph(vertices, edges[kept], clearance), place_of, spacing)
+
+
+def mesh_roadmap(mesh: SeedingMesh, exact: FloatArray) -> Roadmap:
+    """A seeding mesh as it is; `exact` points (P, 2) are among its vertices."""
+    clearance = np.concatenate([mesh.vertex_clearance, mesh.edge_clearance])
+    graph = make_graph(mesh.vertices, mesh.edges, clearance)
+    place_of = cKDTree(mesh.vertices).query(exact)[1]
+    return Roadmap(graph, np.ravel(place_of).astype(np.int64), float(np.median(mesh.lengths)))
 
 
 def _region(free_space: FreeSpace | None, places: FloatArray, around: float) -> shapely.Geometry:
@@ -275,13 +283,19 @@ def _triangulate(
             break
         vertices = grown
         edges = _delaunay_edges(vertices)
+    ties = _ties(vertices, num_places, 3.0 * spacing)
+    return vertices, np.unique(np.sort(np.vstack([edges, ties]), axis=1), axis=0)
+
+
+def _ties(vertices: FloatArray, num_places: int, reach: float) -> IntArray:
+    """(n, 2) edges from each of the first `num_places` vertices to the nearest within `reach` (m)."""
     count = min(12, len(vertices))
     near = cKDTree(vertices).query(vertices[:num_places], k=count)[1].reshape(num_places, -1)
     ties = np.column_stack([np.repeat(np.arange(num_places), near.shape[1]), near.ravel()])
-    ties = ties[ties[:, 0] != ties[:, 1]]
     step = vertices[ties[:, 1]] - vertices[ties[:, 0]]
-    ties = ties[np.hypot(step[:, 0], step[:, 1]) < 3.0 * spacing]
-    return vertices, np.unique(np.sort(np.vstack([edges, ties]), axis=1), axis=0)
+    near_enough = (ties[:, 0] != ties[:, 1]) & (np.hypot(step[:, 0], step[:, 1]) < reach)
+    kept: IntArray = ties[near_enough].astype(np.int64)
+    return kept
 
 
 def _delaunay_edges(points: FloatArray) -> IntArray:

@@ -10,7 +10,7 @@ limit depends on the clock.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -34,9 +34,15 @@ from stplan.seeding.layered import (
 )
 from stplan.seeding.prioritized import plan_prioritized
 from stplan.seeding.priority_based import plan_priority_based
-from stplan.seeding.repair import own_ways, repair
+from stplan.seeding.repair import first_curves, repair
 from stplan.seeding.roadmap import build_roadmap
-from stplan.seeding.rods import Requirement, RodProblem, requirement, verify
+from stplan.seeding.rods import (
+    Requirement,
+    RodProblem,
+    held_requirement,
+    requirement,
+    verify,
+)
 
 if TYPE_CHECKING:
     from stplan.world import FreeSpace
@@ -48,6 +54,10 @@ SMALLER_MARGINS = (1.02, 1.005, 1.001)
 # Priority-based search grows slow with the number of agents; beyond a few it comes late.
 FEW_PRIORITY_BASED = 12
 MOST_PRIORITY_BASED = 40
+# Margins and multiples of the layers with which given curves are repaired.
+REPAIR_STAGES = ((1.02, 1), (1.02, 2), (1.001, 2), (1.001, 4))
+REPAIR_ITERATIONS = 300
+LEAST_HELD = 1.0005
 
 
 @dataclass(frozen=True)
@@ -169,6 +179,52 @@ def search_curves(
     return SearchResult(None, "", settings.margin, tries, reasons)
 
 
+def repair_curves(
+    problem: RodProblem,
+    free_space: FreeSpace | None,
+    curves: Sequence[FloatArray],
+    *,
+    settings: SeedingSettings,
+    progress: Progress | None = None,
+) -> SearchResult:
+    """Replan the neighbourhoods of `curves` in which pairs still touch, the others reserved.
+
+    For curves of any origin, say a relaxation that left a few pairs stuck; each must be clear of
+    the walls and meet its ends. Agents that are not replanned keep their curves. Pairs that
+    hold less than the margin need not hold more than they do.
+    """
+    say = progress or (lambda line: None)
+    deadline = time.perf_counter() + settings.time_limit
+    reasons: tuple[Reason, ...] = ()
+    tries = 0
+    for number, (margin, layers) in enumerate(REPAIR_STAGES):
+        level = _connected_level(problem, free_space, min(margin, settings.margin))
+        if level.journeys.stranded():
+            reasons = reasons or stranded(problem, level.journeys.stranded(), level.margin)
+            continue
+        count = settings.layers or automatic_layers(problem, level.graph, level.journeys)
+        held = held_requirement(problem, curves, level.margin)
+        # Less than this counts as touching: such pairs are replanned.
+        floor = np.minimum(level.required.rods, LEAST_HELD * problem.distance)
+        required = Requirement(np.maximum(held.rods, floor), level.required.walls)
+        planner = LayeredPlanner(problem, level.graph, level.journeys, required, count * layers)
+        if planner.too_late():
+            reasons = reasons or late(problem, planner.too_late(), planner.grid.count)
+            continue
+        say(f"repairing: {planner.graph.num_vertices} vertices, {planner.grid.count} layers")
+        rng = np.random.default_rng([settings.rng_seed, number])
+        mended = repair(
+            planner, curves, rng, REPAIR_ITERATIONS, lambda: time.perf_counter() > deadline
+        )
+        tries += mended.iterations
+        if mended.conflicts == 0 and not verify(problem, mended.curves):
+            return SearchResult(mended.curves, "repair", level.margin, tries, ())
+        reasons = stuck(problem, mended.curves, mended.touching)
+        if time.perf_counter() > deadline:
+            break
+    return SearchResult(None, "", settings.margin, tries, reasons)
+
+
 def _connected_level(problem: RodProblem, free_space: FreeSpace | None, margin: float) -> _Level:
     """The roadmap of a margin; finer where the first one misses ways that the free space has."""
     level = _Level(problem, free_space, margin, 1.0)
@@ -203,7 +259,7 @@ def _run_stage(
     tries = ordered.tries
     if ordered.curves is not None:
         return _Attempt(ordered.curves, "prioritized", tries, ())
-    ways = own_ways(planner)
+    ways = first_curves(planner, rng)
     if ways is None:
         return _Attempt(None, "", tries, ())
     mended = repair(planner, ways, rng, stage.effort * (20 + 2 * count), stopped)
