@@ -2,7 +2,7 @@
 
 In the open, relaxation: straight rods pushed apart, no search. In tight spaces, search on a roadmap.
 `method: auto` starts with relaxation where every agent's straight way is clear of the walls and with
-search elsewhere. Whatever found them, curves are polished, given their knots, and proven clear.
+search elsewhere; `method: dijkstra` is the paper's own. Whatever found them, curves are polished, given their knots, and proven clear.
 """
 
 from __future__ import annotations
@@ -16,12 +16,14 @@ import numpy as np
 from stplan.arrays import FloatArray
 from stplan.errors import SeedingError
 from stplan.scene.model import Scene
+from stplan.seeding.diagnosis import hopeless
+from stplan.seeding.dijkstra import dijkstra_curves
 from stplan.seeding.geodesic import geodesic_curves
 from stplan.seeding.polish import prepare_seed
 from stplan.seeding.relaxation import relax
 from stplan.seeding.rods import RodProblem, verify, wall_clearance
 from stplan.seeding.search import search_curves
-from stplan.world import FreeSpace
+from stplan.world import FreeSpace, build_seeding_mesh, disconnected_agents
 from stplan.world_lines import WorldLines
 
 Progress = Callable[[str], None]
@@ -65,6 +67,7 @@ def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress)
     """
     problem = RodProblem.from_scene(scene, free_space)
     attempts = _Attempts()
+    _refuse_hopeless(scene, problem, free_space)
     for part in _parts(scene, problem):
         if part == "relaxation":
             _relax(scene, problem, free_space, attempts, progress)
@@ -88,6 +91,14 @@ def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress)
     return Seed(
         WorldLines.from_curves(problem.agent_ids, curves), attempts.found_by, attempts.record
     )
+
+
+def _refuse_hopeless(scene: Scene, problem: RodProblem, free_space: FreeSpace | None) -> None:
+    """Raise where it is proven that no clear curves exist: no search could help."""
+    sentences = [sentence for _, sentence in disconnected_agents(scene, free_space)]
+    sentences = sentences or [reason.sentence for reason in hopeless(problem, free_space)]
+    if sentences:
+        raise SeedingError("no collision-free curves exist: " + "\n  ".join(sentences))
 
 
 def _parts(scene: Scene, problem: RodProblem) -> list[str]:
@@ -117,7 +128,6 @@ def _relax(
     attempts: _Attempts,
     progress: Progress,
 ) -> None:
-    progress("seeding by relaxation")
     settings = scene.seeding
     ways = None
     if not _straight_ways_are_clear(problem):
@@ -126,6 +136,7 @@ def _relax(
         if len(ways) < len(found):
             attempts.reasons.append("relaxation needs a way along the walls for every agent")
             return
+    progress("seeding by relaxation")
     result = relax(
         problem,
         ways,
@@ -153,10 +164,17 @@ def _search(
     attempts: _Attempts,
     progress: Progress,
 ) -> None:
-    result = search_curves(problem, free_space, settings=scene.seeding, progress=progress)
+    settings = scene.seeding
+    if settings.method == "dijkstra":
+        mesh = build_seeding_mesh(scene, free_space)
+        result = dijkstra_curves(problem, free_space, mesh, settings=settings, progress=progress)
+    else:
+        result = search_curves(problem, free_space, settings=settings, progress=progress)
     if result.curves is not None:
         attempts.curves = result.curves
-        attempts.found_by = f"search ({result.part})"
+        attempts.found_by = (
+            "dijkstra" if settings.method == "dijkstra" else f"search ({result.part})"
+        )
         attempts.record = {"margin": result.margin, "tries": result.tries}
         return
     for reason in result.diagnosis:
