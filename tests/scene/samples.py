@@ -24,6 +24,12 @@ def scene_text(own: str = "", top: str = "") -> str:
     )
 
 
+def agents_text(*entries: str, top: str = "") -> str:
+    """A scene of these agents, the first in line 4."""
+    listed = "".join(f"  - {{{entry}}}\n" for entry in entries)
+    return f"stplan: 1\nhorizon: 20\nagents:\n{listed}{top}"
+
+
 def refusals(text: str, **more: Any) -> list[str]:
     """The messages of a scene that must be refused."""
     with pytest.raises(SceneError) as caught:

@@ -6,22 +6,16 @@ import copy
 import dataclasses
 import math
 
-import numpy as np
 import pytest
-import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stplan.errors import SceneError
-from stplan.scene import load_scene, parse_scene, scene_interactions
+from stplan.scene import load_scene, parse_scene
+from tests.scene.samples import agents_text as _agents
 from tests.scene.samples import dump, full_tree, places, refusal, refusals, scene_text
 
 TRIANGLE = "v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n"
-
-
-def _agents(*entries: str, top: str = "") -> str:
-    listed = "".join(f"  - {{{entry}}}\n" for entry in entries)
-    return f"stplan: 1\nhorizon: 20\nagents:\n{listed}{top}"
 
 
 # Defaults and values
@@ -148,7 +142,7 @@ FAULTS = [
     ("weights: {regularity: atuo}", "", "agents[0].weights.regularity", "auto"),
     ("", "sovler: {}", "sovler", "did you mean 'solver'?"),
     ("", "time_scale: 0", "time_scale", "more than 0 is expected"),
-    ("", "defaults: {id: a}", "defaults.id", "unknown key"),
+    ("", "defaults: {id: a}", "defaults.id", "key"),
     ("", "solver: {mu: aut}", "solver.mu", "auto"),
     ("", "solver: {mu: .nan}", "solver.mu", "is expected"),
     ("", "solver: {knots: 2}", "solver.knots", "at least 3 is expected"),
@@ -359,152 +353,6 @@ def test_path_faults(more, path):
 def test_what_repeats_the_path_may_stand():
     text = "id: sam, path: [[0, 0, 1], [2, 1, 3]], start: [0, 0], goal: [2, 1], start_time: 1, max_time: 3"
     assert parse_scene(_agents(text)).agents[0].max_time == 3
-
-
-# Pairs and overlaps
-
-CLOSE_STARTS = ("id: sam, start: [0, 0], goal: [5, 0]", "id: ann, start: [0.5, 0], goal: [5, 5]")
-CLOSE_GOALS = ("id: sam, start: [0, 0], goal: [5, 0]", "id: ann, start: [0, 5], goal: [5, 0.5]")
-OFF = [
-    "pairs: [{between: [sam, ann], collide: false}]",
-    "pairs: [{between: [ann, all], collide: false}]",
-    "pairs: [{between: [all, sam], distance: 0.4}]",
-    "defaults: {weights: {collision: 0}}",
-    "defaults: {radius: 0.2}",
-]
-
-
-def test_overlapping_starts():
-    message = refusal(_agents(*CLOSE_STARTS))
-    assert message.startswith("scene:5:")
-    assert "agents[1].start: is 0.5 m from the start of 'sam'" in message
-
-
-def test_overlapping_goals():
-    assert "agents[1].goal: " in refusal(_agents(*CLOSE_GOALS))
-
-
-@pytest.mark.parametrize("top", OFF)
-@pytest.mark.parametrize("agents", [CLOSE_STARTS, CLOSE_GOALS], ids=["starts", "goals"])
-def test_only_who_collides_overlaps(agents, top):
-    assert parse_scene(_agents(*agents, top=top))
-
-
-def test_one_weight_switches_no_pair_off():
-    assert refusal(_agents(CLOSE_GOALS[0] + ", weights: {collision: 0}", CLOSE_GOALS[1]))
-
-
-def test_other_times_do_not_overlap():
-    assert parse_scene(_agents(CLOSE_STARTS[0], CLOSE_STARTS[1] + ", start_time: 5"))
-    assert parse_scene(_agents(CLOSE_GOALS[0] + ", after_arrival: vanish", CLOSE_GOALS[1]))
-
-
-def test_a_wider_distance_overlaps():
-    text = _agents(
-        "id: sam, start: [0, 0], goal: [9, 0]",
-        "id: ann, start: [0, 2], goal: [9, 9]",
-        top="pairs: [{between: [sam, ann], distance: 2.5}]",
-    )
-    assert "more than 2.5 m" in refusal(text)
-
-
-def _pairs(rules: str):
-    ids = "abcd"
-    agents = (f"id: {x}, start: [0, {9 * k}], goal: [9, {9 * k}]" for k, x in enumerate(ids))
-    return scene_interactions(parse_scene(_agents(*agents, top=f"pairs: [{rules}]")))
-
-
-def test_pairs_default():
-    pairs = _pairs("")
-    off = ~np.eye(4, dtype=bool)
-    assert (pairs.collides == off).all()
-    assert (pairs.distance[off] == 0.6).all()
-    assert not pairs.grouping.any()
-
-
-def test_pairs_of_lists_and_all():
-    pairs = _pairs("{between: [[a, b], [c]], grouping: 2}, {between: [d, all], collide: false}")
-    expected = np.zeros((4, 4))
-    expected[:2, 2] = expected[2, :2] = 2
-    assert (pairs.grouping == expected).all()
-    assert not pairs.collides[3].any()
-    assert not pairs.collides[:, 3].any()
-    assert pairs.collides[0, 1]
-    # Who stands on both sides is no pair with itself.
-    assert not np.diag(_pairs("{between: [all, all], grouping: 1}").grouping).any()
-
-
-def test_later_pairs_win():
-    pairs = _pairs(
-        "{between: [all, all], distance: 1, collide: false}, {between: [b, a], distance: 2}, "
-        "{between: [a, [b, c]], collide: true}"
-    )
-    assert pairs.distance[0, 1] == pairs.distance[1, 0] == 2
-    assert pairs.distance[0, 2] == 1
-    assert pairs.collides[0, 1]
-    assert pairs.collides[2, 0]
-    assert not pairs.collides[1, 2]
-
-
-# The hash
-
-
-def _hash(tree):
-    return parse_scene(dump(tree)).content_hash
-
-
-def _reversed(tree):
-    if isinstance(tree, dict):
-        return {key: _reversed(tree[key]) for key in reversed(tree)}
-    return [_reversed(entry) for entry in tree] if isinstance(tree, list) else tree
-
-
-def test_hash_is_of_the_meaning(tmp_path):
-    tree = full_tree()
-    expected = _hash(tree)
-    assert len(expected) == 64
-    assert _hash(_reversed(tree)) == expected
-    assert parse_scene(
-        "# a comment\n" + yaml.safe_dump(tree, default_flow_style=True)
-    ).content_hash == (expected)
-    hashes = set()
-    for name in ("a.yaml", "b.yaml"):
-        (tmp_path / name).write_text(scene_text(), encoding="utf-8")
-        hashes.add(load_scene(tmp_path / name).content_hash)
-    assert len(hashes) == 1
-
-
-def test_hash_sees_defaults_written_out():
-    written = scene_text("radius: 0.3, weights: {kinetic: 1}", "solver: {alpha: 50.0}")
-    assert parse_scene(written).content_hash == parse_scene(scene_text()).content_hash
-
-
-@pytest.mark.parametrize(
-    "override",
-    [
-        "horizon=21",
-        "agents[0].goal[0]=5.1",
-        "solver.mu=0.2",
-        "pairs=[]",
-        "agents.sam.after_arrival=stay",
-    ],
-)
-def test_hash_changes_with_the_meaning(override):
-    text = dump(full_tree())
-    assert parse_scene(text, overrides=[override]).content_hash != parse_scene(text).content_hash
-
-
-def test_hash_follows_the_mesh(tmp_path):
-    (tmp_path / "a.obj").write_text(TRIANGLE, encoding="utf-8")
-    (tmp_path / "b.obj").write_text(TRIANGLE, encoding="utf-8")
-    a, b = (
-        parse_scene(scene_text(top=f"map: {{mesh: {mesh}}}"), directory=tmp_path).content_hash
-        for mesh in ("a.obj", "b.obj")
-    )
-    assert a == b
-    (tmp_path / "a.obj").write_text(TRIANGLE + "# more\n", encoding="utf-8")
-    text = scene_text(top="map: {mesh: a.obj}")
-    assert parse_scene(text, directory=tmp_path).content_hash != a
 
 
 # Size and noise
