@@ -85,7 +85,8 @@ class _Stop:
             return "stale"
         if iteration.number < 1:
             return ""
-        if iteration.step <= self._solver.step_tolerance * self._step_unit:
+        small = self._solver.step_tolerance * self._step_unit
+        if iteration.step <= small and not iteration.damped:
             return "converged"
         if len(self._values) > STALL_WINDOW:
             fall = self._values[-1 - STALL_WINDOW] - self._values[-1]

@@ -16,13 +16,18 @@ from stplan.optimize.problem import Problem
 
 @dataclass(frozen=True)
 class Iteration:
-    """What Ipopt says after an iteration; `step` is the largest entry of the full step, m or s."""
+    """What Ipopt says after an iteration.
+
+    `step` is the largest entry of the full step, m or s; it says nothing about convergence where the
+    Hessian was `damped` to make it convex.
+    """
 
     number: int
     objective: float
     optimality: float
     step: float
     ipopt_mu: float
+    damped: bool
     knots: FloatArray
 
 
@@ -147,10 +152,12 @@ class _Callbacks:
             x = np.array(current["x"])
             if np.isfinite(self._problem.value(x)):
                 self.accepted = x
+                self._problem.accept(x)
         self.iterations = iter_count
         self.ipopt_mu = mu
         knots = self.accepted.reshape(-1, 3)
-        return not self._stop(Iteration(iter_count, obj_value, inf_du, d_norm, mu, knots))
+        damped = regularization_size > 0
+        return not self._stop(Iteration(iter_count, obj_value, inf_du, d_norm, mu, damped, knots))
 
 
 def solve(
@@ -176,6 +183,7 @@ def solve(
         SolverError: Ipopt does not know an option or lacks the linear solver.
     """
     start = knots.ravel().copy()
+    problem.accept(start)
     callbacks = _Callbacks(problem, stop, start)
     limits = problem.limits
     count = len(limits.least_duration)

@@ -13,8 +13,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.costs.contact_term import ContactTerm
 from stplan.costs.term import Term
 from stplan.world_lines import KnotLayout
+
+
+# A step keeps at least this share of the smallest clearance.
+CLEARANCE_KEPT = 0.2
 
 
 @dataclass(frozen=True)
@@ -70,6 +75,7 @@ class Problem:
         self._key: bytes | None = None
         self._value = np.inf
         self._gradient: FloatArray | None = None
+        self._floor = 0.0
 
     @property
     def num_variables(self) -> int:
@@ -80,6 +86,20 @@ class Problem:
         """The objective at flat knots x (3 M,), inf where it is undefined."""
         self._evaluate(x)
         return self._value
+
+    def accept(self, x: FloatArray) -> None:
+        """Take `x` as the iterate to step from: no step may use up nearly all its clearance.
+
+        Without this fraction-to-the-boundary rule a long step can land a hair's breadth from contact,
+        where the barrier is too steep to ever leave again.
+        """
+        knots = x.reshape(-1, 3)
+        least = self._least_clearance(knots)
+        self._floor = CLEARANCE_KEPT * least if np.isfinite(least) else 0.0
+
+    def _least_clearance(self, knots: FloatArray) -> float:
+        contacts = [term for term in self.terms if isinstance(term, ContactTerm)]
+        return min((term.least_clearance(knots) for term in contacts), default=np.inf)
 
     def gradient(self, x: FloatArray) -> FloatArray:
         """(3 M,) derivative of `value`."""
@@ -107,7 +127,8 @@ class Problem:
                 total += term.value(knots)
                 if not np.isfinite(total):
                     break
-            self._value = total if np.isfinite(total) else np.inf
+            if np.isfinite(total) and self._least_clearance(knots) >= self._floor:
+                self._value = total
         if not np.isfinite(self._value):
             self.watch.refused += 1
         self.watch.objective += time.perf_counter() - started
