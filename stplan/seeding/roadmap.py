@@ -34,7 +34,9 @@ MAX_RINGS = 5
 LONG_EDGE = 2.0
 # Bisections that centre a medial point between its walls.
 CENTRING_STEPS = 14
-SAMPLES_PER_SPACING = 3.0
+SAMPLES_PER_SPACING = 4.0
+# Rounds in which ways through tight bends get a point more.
+BENDS = 2
 MAX_SAMPLES = 20000
 
 
@@ -131,9 +133,11 @@ def _vertices(
         step = max(1, -(-len(radii) // MAX_RINGS))
         for radius in radii[::step]:
             offer(_ring_points(region, float(radius), spacing), 0.12 * min(spacing, least))
-        tight, wide = _medial_points(free_space, least, spacing)
-        offer(tight, 0.3 * spacing)
-        offer(wide, 0.45 * spacing)
+        points_at, room = _medial_points(free_space, least, spacing)
+        narrow, tight = room < 1.1 * least, room < 1.3 * least
+        offer(points_at[narrow], 0.12 * min(spacing, least))
+        offer(points_at[tight & ~narrow], 0.3 * spacing)
+        offer(points_at[~tight], 0.45 * spacing)
     for reach in _halvings(spacing, least):
         offer(_star_points(region, places, reach), 0.45 * reach)
     inner = region.buffer(-least) if free_space is not None else region
@@ -208,18 +212,20 @@ def _ring_points(region: shapely.Geometry, radius: float, spacing: float) -> Flo
 def _medial_points(
     free_space: FreeSpace, radius: float, spacing: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Voronoi vertices of the walls with room for `radius`: those in tight places, and the rest."""
+    """Voronoi vertices of the walls with more room than `radius` (m), and the room of each.
+
+    Those in tight places are centred, so that the edges between them are as free as can be.
+    """
     perimeter = float(free_space.polygon.length)
     step = max(min(spacing, radius) / SAMPLES_PER_SPACING, perimeter / MAX_SAMPLES)
     samples = np.vstack([_along(ring, step) for ring in _rings(free_space.polygon)])
     points = _inside(free_space.polygon, Voronoi(np.unique(samples, axis=0)).vertices)
     room = _point_clearance(free_space, points)
-    kept = room > 0.9 * radius
-    points, room = points[kept], room[kept]
-    tight = room < 1.3 * radius
-    centred = _centred(free_space, points[tight], step)
-    enough = _point_clearance(free_space, centred) > radius
-    return centred[enough], points[~tight]
+    points = points[room > 0.9 * radius]
+    tight = room[room > 0.9 * radius] < 1.5 * radius
+    points[tight] = _centred(free_space, points[tight], step)
+    room = _point_clearance(free_space, points)
+    return points[room > radius], room[room > radius]
 
 
 def _centred(free_space: FreeSpace, points: FloatArray, reach: float) -> FloatArray:
@@ -270,6 +276,13 @@ def _triangulate(
     The ties matter where a place lies against a wall and its Delaunay neighbours behind it.
     """
     edges = _delaunay_edges(vertices)
+    if free_space is not None and np.isfinite(radius):
+        for _ in range(BENDS):
+            grown = _bent(free_space, vertices, edges, radius)
+            if len(grown) == len(vertices):
+                break
+            vertices = grown
+            edges = _delaunay_edges(vertices)
     for _ in range(4):
         step = vertices[edges[:, 1]] - vertices[edges[:, 0]]
         long = edges[np.hypot(step[:, 0], step[:, 1]) > LONG_EDGE * spacing]
@@ -285,6 +298,20 @@ def _triangulate(
         edges = _delaunay_edges(vertices)
     ties = _ties(vertices, num_places, 3.0 * spacing)
     return vertices, np.unique(np.sort(np.vstack([edges, ties]), axis=1), axis=0)
+
+
+def _bent(
+    free_space: FreeSpace, vertices: FloatArray, edges: IntArray, radius: float
+) -> FloatArray:
+    """`vertices`, and centred middles of edges of tight places that just miss the `radius` (m)."""
+    tight = _point_clearance(free_space, vertices) < 1.3 * radius
+    edges = edges[tight[edges].any(axis=1)]
+    room = _edge_clearance(free_space, vertices, edges)
+    ends = vertices[edges[(room > 0.8 * radius) & (room <= radius)]]
+    middles = _centred(free_space, ends.mean(axis=1), 0.3 * radius)
+    middles = middles[_point_clearance(free_space, middles) > radius]
+    apart = np.concatenate([np.zeros(len(vertices)), np.full(len(middles), 0.1 * radius)])
+    return _thin(np.vstack([vertices, middles]), apart)
 
 
 def _ties(vertices: FloatArray, num_places: int, reach: float) -> IntArray:

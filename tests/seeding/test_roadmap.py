@@ -50,7 +50,7 @@ def test_free_edges_keep_their_radius_from_the_walls() -> None:
 
 
 @pytest.mark.parametrize(
-    ("half_width", "refine"), [(1.003, 4.0), (1.01, 1.0), (1.05, 1.0), (1.5, 1.0), (3.0, 1.0)]
+    ("half_width", "refine"), [(1.003, 1.0), (1.01, 1.0), (1.05, 1.0), (1.5, 1.0), (3.0, 1.0)]
 )
 def test_every_passage_wider_than_the_agent_is_connected(half_width: float, refine: float) -> None:
     radius = 0.4
