@@ -30,34 +30,39 @@ def even_knots(
     )
     points, leaves, reaches, fixed = _candidates(field, agent, mean)
     count = len(points)
-    cost = np.full((num_knots, count), np.inf)
-    previous = np.full((num_knots, count), -1)
+    cost = np.full((count, num_knots), np.inf)
+    previous = np.full((count, num_knots), -1)
+    reached = np.zeros(count, np.bool_)
     cost[0, 0] = 0.0
+    reached[0] = True
     for j in range(1, count):
         i = j - 1
         while i >= 0 and points[j, 2] - points[i, 2] <= longest * mean:
             duration = (points[j, 2] - points[i, 2]) / mean
-            if duration >= shortest and np.isfinite(cost[:, i].min()):
-                # On one segment of the old curve a chord is clear as it is.
-                shared = reaches[j] <= leaves[i]
-                if shared or segment_clear(field, agent, points[i], points[j]):
-                    for k in range(num_knots - 1):
-                        total = cost[k, i] + (duration - 1.0) ** 2
-                        if total < cost[k + 1, j]:
-                            cost[k + 1, j] = total
-                            previous[k + 1, j] = i
+            # On one segment of the old curve a chord is clear as it is.
+            if (
+                reached[i]
+                and duration >= shortest
+                and (reaches[j] <= leaves[i] or segment_clear(field, agent, points[i], points[j]))
+            ):
+                reached[j] = True
+                for k in range(num_knots - 1):
+                    total = cost[i, k] + (duration - 1.0) ** 2
+                    if total < cost[j, k + 1]:
+                        cost[j, k + 1] = total
+                        previous[j, k + 1] = i
             if fixed[i]:
                 break
             i -= 1
-    if not np.isfinite(cost[num_knots - 1, count - 1]):
+    if not np.isfinite(cost[count - 1, num_knots - 1]):
         return False
     j = count - 1
     for k in range(num_knots - 1, -1, -1):
         field.knots[agent, k] = points[j]
         field.pinned[agent, k] = fixed[j]
         if k > 0:
-            enter(field, agent, points[previous[k, j]], points[j])
-            j = previous[k, j]
+            enter(field, agent, points[previous[j, k]], points[j])
+            j = previous[j, k]
     field.counts[agent] = num_knots
     return True
 
@@ -77,7 +82,7 @@ def _candidates(
     total = 1
     for i in range(count - 1):
         parts[i] = max(int(np.round((knots[i + 1, 2] - knots[i, 2]) / (SPACING * mean))), 1)
-        total += parts[i] + 1
+        total += parts[i] + 3
     points = np.empty((total, 3))
     leaves = np.empty(total, np.int64)
     reaches = np.empty(total, np.int64)
@@ -94,11 +99,11 @@ def _candidates(
             fixed[at] = k == 0 and field.pinned[agent, i]
             at += 1
         if corner:
-            _corner(knots, i, points[at])
-            # Off the curve: no chord from or to it counts as clear unasked.
-            leaves[at] = -1
-            reaches[at] = count
-            at += 1
+            _corners(knots, i, points[at : at + 3])
+            # Off the curve: no chord from or to them counts as clear unasked.
+            leaves[at : at + 3] = -1
+            reaches[at : at + 3] = count
+            at += 3
     points[at] = knots[count - 1]
     leaves[at] = count - 1
     reaches[at] = count - 2
@@ -106,16 +111,13 @@ def _candidates(
 
 
 @kernel
-def _corner(knots: FloatArray, i: int, point: FloatArray) -> None:
-    """Half-way in time on segment i, where its neighbours would meet if they were prolonged."""
+def _corners(knots: FloatArray, i: int, points: FloatArray) -> None:
+    """Half-way in time on segment i: its neighbours prolonged, and the middle of the two."""
     middle = 0.5 * (knots[i, 2] + knots[i + 1, 2])
+    before = (middle - knots[i - 1, 2]) / (knots[i, 2] - knots[i - 1, 2])
+    after = (middle - knots[i + 1, 2]) / (knots[i + 2, 2] - knots[i + 1, 2])
     for x in range(2):
-        before = (knots[i, x] - knots[i - 1, x]) / (knots[i, 2] - knots[i - 1, 2])
-        after = (knots[i + 2, x] - knots[i + 1, x]) / (knots[i + 2, 2] - knots[i + 1, 2])
-        point[x] = 0.5 * (
-            knots[i, x]
-            + (middle - knots[i, 2]) * before
-            + knots[i + 1, x]
-            - (knots[i + 1, 2] - middle) * after
-        )
-    point[2] = middle
+        points[0, x] = knots[i - 1, x] + before * (knots[i, x] - knots[i - 1, x])
+        points[1, x] = knots[i + 1, x] + after * (knots[i + 2, x] - knots[i + 1, x])
+        points[2, x] = 0.5 * (points[0, x] + points[1, x])
+    points[:, 2] = middle

@@ -23,7 +23,7 @@ LEAST_KNOTS = 30
 MOST_KNOTS = 100
 KNOTS_PER_BEND = 2
 # Durations allowed, as parts of the mean: evened out as far as the bends permit.
-EVENNESS = ((0.5, 2.0), (0.3, 3.0), (0.15, 5.0), (0.05, 10.0))
+EVENNESS = ((0.5, 2.0), (0.42, 2.5), (0.3, 3.0), (0.15, 5.0), (0.05, 10.0))
 # Random shortcuts tried for every agent in every round; more only leave more knots behind.
 TRIES = 20
 # Evening out may use up this part of the clearance over R: on a curve pulled taut against its

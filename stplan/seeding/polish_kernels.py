@@ -19,6 +19,9 @@ LOOK_AHEAD = 8
 LEAST_PART = 0.02
 # Shortcuts span up to this part of a curve's duration.
 LONGEST_SHORTCUT = 0.6
+# How often, and how much, a blocked move of a knot is shortened.
+STEPS = 3
+SHORTENED = 0.35
 
 
 @kernel
@@ -33,15 +36,19 @@ def polish_round(
     `draws` (A, tries, 2) are uniform in [0, 1); `arrivals` (A,) is the c t towards which an
     agent's arrival is put off.
     """
+    aim = np.empty(3)
     for agent in order:
         _drop_knots(field, agent)
         for k in range(draws.shape[1]):
             _shortcut(field, agent, draws[agent, k, 0], draws[agent, k, 1])
-        for i in range(1, field.counts[agent] - 1):
-            if not field.pinned[agent, i]:
-                _move_in_place(field, agent, i)
-            _move_in_time(field, agent, i)
-        _arrive_later(field, agent, arrivals[agent])
+        last = field.counts[agent] - 1
+        for i in range(1, last):
+            _relax_knot(field, agent, i, aim)
+        # A later arrival is slower, hence cheaper, and shortens a tail.
+        if field.knots[agent, last, 2] < arrivals[agent]:
+            aim[:] = field.knots[agent, last]
+            aim[2] = arrivals[agent]
+            _move_towards(field, agent, last, aim)
 
 
 @kernel
@@ -135,76 +142,48 @@ def _shortcut(field: RodField, agent: int, where: float, how_long: float) -> Non
 
 
 @kernel
-def _try_knot(field: RodField, agent: int, i: int, moved: FloatArray) -> bool:
-    """Put knot i at `moved` (3,) if both its segments are clear there."""
-    before, after = field.knots[agent, i - 1], field.knots[agent, i + 1]
-    if not segment_clear(field, agent, before, moved):
-        return False
-    if not segment_clear(field, agent, moved, after):
-        return False
-    enter(field, agent, before, moved)
-    enter(field, agent, moved, after)
-    field.knots[agent, i] = moved
-    return True
-
-
-@kernel
-def _move_in_place(field: RodField, agent: int, i: int) -> None:
-    """Move a knot towards the constant-speed chord of its neighbours, as far as is clear."""
+def _relax_knot(field: RodField, agent: int, i: int, aim: FloatArray) -> None:
+    """Move a knot to where energy is least between its neighbours: in place, then in time."""
     before, knot, after = (
-        field.knots[agent, i - 1], field.knots[agent, i].copy(), field.knots[agent, i + 1],
+        field.knots[agent, i - 1], field.knots[agent, i], field.knots[agent, i + 1],
     )  # fmt: skip
-    part = (knot[2] - before[2]) / (after[2] - before[2])
-    moved = knot.copy()
-    step = 1.0
-    for _ in range(5):
+    span = after[2] - before[2]
+    if not field.pinned[agent, i]:
+        # On the chord of its neighbours, at its own time.
+        part = (knot[2] - before[2]) / span
         for x in range(2):
-            aim = before[x] + part * (after[x] - before[x])
-            moved[x] = knot[x] + step * (aim - knot[x])
-        if moved[0] == knot[0] and moved[1] == knot[1]:
-            return
-        if _try_knot(field, agent, i, moved):
-            return
-        step *= 0.5
-
-
-@kernel
-def _move_in_time(field: RodField, agent: int, i: int) -> None:
-    """Shift a knot in time towards equal speed on both sides, as far as is clear."""
-    before, knot, after = (
-        field.knots[agent, i - 1], field.knots[agent, i].copy(), field.knots[agent, i + 1],
-    )  # fmt: skip
+            aim[x] = before[x] + part * (after[x] - before[x])
+        aim[2] = knot[2]
+        _move_towards(field, agent, i, aim)
+    # Equal speed on both sides, at its own place.
     first = np.hypot(knot[0] - before[0], knot[1] - before[1])
     second = np.hypot(after[0] - knot[0], after[1] - knot[1])
-    span = after[2] - before[2]
     part = first / max(first + second, 1e-12)
     part = min(max(part, LEAST_PART), 1.0 - LEAST_PART)
-    moved = knot.copy()
-    step = 0.9
-    for _ in range(5):
-        moved[2] = knot[2] + step * (before[2] + part * span - knot[2])
-        if moved[2] == knot[2]:
-            return
-        if _try_knot(field, agent, i, moved):
-            return
-        step *= 0.5
+    aim[0] = knot[0]
+    aim[1] = knot[1]
+    aim[2] = before[2] + part * span
+    _move_towards(field, agent, i, aim)
 
 
 @kernel
-def _arrive_later(field: RodField, agent: int, arrival: float) -> None:
-    """Put off the arrival towards `arrival`: slower is cheaper, and a tail only gets shorter."""
-    last = field.counts[agent] - 1
-    knot = field.knots[agent, last]
-    if knot[2] >= arrival:
-        return
-    moved = knot.copy()
+def _move_towards(field: RodField, agent: int, i: int, aim: FloatArray) -> None:
+    """Move knot i (not the first) towards `aim` (3,), as far as both its segments are clear."""
+    knots = field.knots[agent]
+    is_last = i == field.counts[agent] - 1
+    moved = aim.copy()
     step = 1.0
-    for _ in range(6):
-        moved[2] = knot[2] + step * (arrival - knot[2])
-        if step == 1.0:
-            moved[2] = arrival
-        if segment_clear(field, agent, field.knots[agent, last - 1], moved):
-            enter(field, agent, field.knots[agent, last - 1], moved)
-            field.knots[agent, last, 2] = moved[2]
+    for _ in range(STEPS):
+        if moved[0] == knots[i, 0] and moved[1] == knots[i, 1] and moved[2] == knots[i, 2]:
             return
-        step *= 0.4
+        if segment_clear(field, agent, knots[i - 1], moved) and (
+            is_last or segment_clear(field, agent, moved, knots[i + 1])
+        ):
+            knots[i] = moved
+            enter(field, agent, knots[i - 1], moved)
+            if not is_last:
+                enter(field, agent, moved, knots[i + 1])
+            return
+        step *= SHORTENED
+        for x in range(3):
+            moved[x] = knots[i, x] + step * (aim[x] - knots[i, x])

@@ -163,8 +163,8 @@ class _Relaxation:
             strings.positions, strings.segments, strings.agents, self.rows, self.members,
             self.required.rods,
         )  # fmt: skip
-        pairs = {(min(a, b), max(a, b)) for a, b in found.tolist()}
-        return sorted(pairs)
+        pairs = np.unique(np.sort(found, axis=1), axis=0) if len(found) else found
+        return [(int(a), int(b)) for a, b in pairs]
 
     def retension_if_stuck(self, stuck: list[tuple[int, int]]) -> None:
         """After long without fewer stuck pairs, pull their strings tight and knock one aside."""

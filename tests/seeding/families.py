@@ -95,7 +95,7 @@ def crossing_flows(
         rng, count - half, np.array([0.0, -side / 2]), np.array([side, 0.0]), 2.2 * radius
     )
     starts = np.vstack([west, south])
-    goals = np.vstack([west + [1.5 * side, 0.0], south + [0.0, 1.5 * side]])
+    goals = starts + np.repeat([[1.5 * side, 0.0], [0.0, 1.5 * side]], [half, count - half], axis=0)
     return crowd(starts, goals, 1.5 * side / speed, radius=radius)
 
 
