@@ -39,14 +39,18 @@ def apply_overrides(tree: Tree, overrides: Sequence[str]) -> dict[str, str]:
         inside = (f"{path}.", f"{path}[")
         for inner in [inner for inner in decided if inner.startswith(inside)]:
             del decided[inner]
-        decided[path] = override
+        decided[path] = _shortened(override)
     if messages:
         raise SceneError(messages)
     return decided
 
 
+def _shortened(override: str) -> str:
+    return override if len(override) <= 200 else override[:197] + "..."
+
+
 def _apply(tree: Tree, override: str) -> str:
-    name = f"--set {override if len(override) <= 200 else override[:197] + '...'}"
+    name = f"--set {_shortened(override)}"
     key, separator, text = override.partition("=")
     key = key.strip()
     if not separator or not _KEY.match(key) or len(override) > LONGEST_OVERRIDE:

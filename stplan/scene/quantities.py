@@ -6,6 +6,7 @@ values (YAML's null) are refused: whoever wants a default leaves the key out.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -28,9 +29,10 @@ MOST_POINTS = 1_000_000
 RESERVED = ",;=\"'`[]{}\\"
 
 
-def expected(sentence: str) -> PydanticCustomError:
-    """The error of a value where `sentence` ("a number or auto") was expected."""
-    return PydanticCustomError("expected", "{expected}", {"expected": sentence})
+def expected(sentence: str, words: Sequence[str] = ()) -> PydanticCustomError:
+    """The error of a value where `sentence` ("a number or auto"), or one of `words`, was expected."""
+    context = {"expected": sentence, "words": list(words)}
+    return PydanticCustomError("expected", "{expected}", context)
 
 
 class NotNull:
@@ -68,7 +70,7 @@ class Or:
         if isinstance(value, str):
             if value in self._words:
                 return value
-            raise expected(f"a number or {' or '.join(self._words)}")
+            raise expected(f"a number or {' or '.join(self._words)}", self._words)
         return handler(value)
 
 
