@@ -165,8 +165,9 @@ def requirement(problem: RodProblem, margin: float = 1.0) -> Requirement:
     pairs, gaps = _near_pairs(problem, pieces, max(2.0 * margin - 1.0, 1.0) * problem.distance)
     excess = np.full_like(problem.distance, margin - 1.0)
     a, b = pairs.T
-    left = np.maximum(0.5 * (gaps / problem.distance[a, b] - 1.0), 0.0)
-    excess[a, b] = np.minimum(excess[a, b], left)
+    left = 0.5 * (gaps / problem.distance[a, b] - 1.0)
+    # Ends that touch already are beyond help, or kept apart in time: vanishing agents of one goal.
+    excess[a, b] = np.where(left > 0.0, np.minimum(excess[a, b], left), excess[a, b])
     excess[b, a] = excess[a, b]
     walls = np.full(problem.num_agents, margin - 1.0)
     if problem.boundary is not None:
@@ -310,16 +311,15 @@ def _rods(problem: RodProblem, curves: Sequence[FloatArray]) -> list[list[FloatA
 
 
 def _fixed_pieces(problem: RodProblem, agent: int) -> list[FloatArray]:
-    """Pieces of an agent's rod that no seeding can move, as polylines in (x, y, c t)."""
+    """Pieces of an agent's rod that hardly any seeding moves, as polylines in (x, y, c t)."""
     path = problem.paths[agent]
     if path is not None:
         return [problem.rod(agent, path)]
     start = [*problem.starts[agent], problem.time_scale * problem.start_times[agent]]
-    pieces = [np.array([start, start])]
-    if problem.stays[agent]:
-        times = problem.time_scale * np.array([problem.max_times[agent], problem.final_time])
-        pieces.append(np.column_stack([np.tile(problem.goals[agent], (2, 1)), times]))
-    return pieces
+    last = problem.final_time if problem.stays[agent] else problem.max_times[agent]
+    times = problem.time_scale * np.array([problem.max_times[agent], last])
+    goal = np.column_stack([np.tile(problem.goals[agent], (2, 1)), times])
+    return [np.array([start, start]), goal]
 
 
 def _near_pairs(
