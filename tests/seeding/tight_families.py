@@ -24,7 +24,8 @@ from stplan.scene.model import (
     SeedingSettings,
     SolverSettings,
     Weights,
-)from stplan.seeding.rods import RodProblem, verify
+)
+from stplan.seeding.rods import RodProblem, verify
 from stplan.seeding.search import search_curves
 from stplan.world import build_free_space
 
