@@ -17,7 +17,6 @@ from stplan.costs.contact_term import ContactTerm
 from stplan.costs.term import Term
 from stplan.world_lines import KnotLayout
 
-
 # A step keeps at least this share of the smallest clearance.
 CLEARANCE_KEPT = 0.2
 

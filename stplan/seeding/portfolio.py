@@ -2,7 +2,8 @@
 
 In the open, relaxation: straight rods pushed apart, no search. In tight spaces, search on a roadmap.
 `method: auto` starts with relaxation where every agent's straight way is clear of the walls and with
-search elsewhere; `method: dijkstra` is the paper's own. Whatever found them, curves are polished, given their knots, and proven clear.
+search elsewhere; `method: dijkstra` is the paper's own. Whatever found them, curves are polished,
+given their knots, and proven clear.
 """
 
 from __future__ import annotations
