@@ -1,4 +1,4 @@
-"""Flat meshes from files, through trimesh."""
+"""Flat meshes from files: OBJ is read here, whose faces have any shape, the rest through trimesh."""
 
 from __future__ import annotations
 
@@ -15,22 +15,30 @@ import shapely
 from stplan.arrays import FloatArray, IntArray
 from stplan.errors import SceneError
 from stplan.scene.model import MeshBase, Scene
+from stplan.world.cracks import joined
+from stplan.world.obj_file import read_obj
 
 MOST_VERTICES = 5_000_000
-_TEXT_KINDS = ("obj", "off")
+# Cosine between the normals of two pieces of one face that lie on top of each other.
+FOLDED = -0.99
 _KEPT_AXES = {"x": (1, 2), "y": (0, 2), "z": (0, 1)}
 
 
 def read_flat_mesh(path: Path, up: str) -> tuple[FloatArray, IntArray]:
     """Vertices (V, 2) in m and triangles (F, 3) of a mesh file, the axis `up` dropped.
 
-    Equal vertices are merged, quads split, triangles without area after projection left out.
+    Equal vertices are merged, faces split, triangles without area after projection left out.
 
     Raises:
-        SceneError: the file is no mesh, or has no area.
+        SceneError: the file is no mesh, has no area, or has faces whose area is in doubt.
     """
+    kind = path.suffix.lower().removeprefix(".")
     try:
-        vertices, triangles = _load(path)
+        content = path.read_bytes()
+        load = read_obj(content, _KEPT_AXES[up]) if kind == "obj" else _load(content, kind)
+        vertices, triangles = load
+    except SceneError as error:
+        raise SceneError(f"{path.name} {error}") from error
     except Exception as error:  # a hostile file may raise anything at all inside the reader
         raise SceneError(
             f"{path.name} cannot be read: it is damaged, cut short or no {path.suffix} mesh"
@@ -46,6 +54,8 @@ def read_flat_mesh(path: Path, up: str) -> tuple[FloatArray, IntArray]:
     flat = vertices[:, _KEPT_AXES[up]]
     if not np.isfinite(flat[triangles]).all() or np.abs(flat[triangles]).max() > 1e9:
         raise SceneError(f"{path.name} has vertices that are not finite or absurdly far away")
+    if kind in {"ply", "off"} and _has_folds(vertices, triangles, "xyz".index(up)):
+        raise SceneError(f"{path.name} has concave faces; triangles are expected, or an OBJ file")
     flat, place = np.unique(flat, axis=0, return_inverse=True)
     triangles = place.reshape(-1)[triangles]
     a, b, c = (flat[triangles[:, k]] for k in range(3))
@@ -57,14 +67,12 @@ def read_flat_mesh(path: Path, up: str) -> tuple[FloatArray, IntArray]:
     return flat, triangles[keep]
 
 
-def _load(path: Path) -> tuple[FloatArray, IntArray]:
+def _load(content: bytes, kind: str) -> tuple[FloatArray, IntArray]:
     """Vertices (V, 3) and triangles (F, 3) as the file has them, no faces if it has only lines."""
     import trimesh
 
-    kind = path.suffix.lower().removeprefix(".")
-    content = path.read_bytes()
-    if kind in _TEXT_KINDS:
-        # Names and comments may be in any encoding; materials and textures are none of our business.
+    if kind == "off":
+        # Comments may be in any encoding.
         content = content.decode("utf-8", errors="replace").encode()
     logger = logging.getLogger("trimesh")
     level = logger.level
@@ -87,14 +95,36 @@ def _load(path: Path) -> tuple[FloatArray, IntArray]:
     return np.asarray(mesh.vertices, dtype=np.float64).reshape(-1, 3), triangles
 
 
+def _has_folds(vertices: FloatArray, triangles: IntArray, up: int) -> bool:
+    """Whether triangles come from a concave face that the reader split as a fan.
+
+    Neighbours (a, b, c) and (a, c, d) or (c, d, a) of a fan then lie on top of each other: they
+    turn opposite ways in the same plane. Twins that cover the same triangle are no fan.
+    """
+    corners = vertices[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(normals, axis=1)
+    flat = np.abs(normals[:, up]) > 1e-6 * np.maximum(length, np.finfo(float).tiny)
+    triangles, normals, length = triangles[flat], normals[flat], length[flat]
+    a, b, c = triangles.T
+    keys = np.concatenate([a * len(vertices) + b, c * len(vertices) + a])
+    beyond = np.concatenate([c, b])
+    owner = np.tile(np.arange(len(triangles)), 2)
+    order = np.argsort(keys, kind="stable")
+    wanted = a * len(vertices) + c
+    first = np.searchsorted(keys[order], wanted, side="left")
+    last = np.searchsorted(keys[order], wanted, side="right")
+    # At a non-manifold side only the first neighbour is looked at.
+    here = np.flatnonzero(first < last)
+    there = order[first[here]]
+    cosine = (normals[here] * normals[owner[there]]).sum(axis=1)
+    cosine /= length[here] * length[owner[there]]
+    return bool(((cosine < FOLDED) & (beyond[there] != b[here])).any())
+
+
 def mesh_polygon(scene: Scene, base: MeshBase) -> shapely.Geometry:
     """The union of a mesh's triangles in the plane."""
     try:
-        vertices, triangles = read_flat_mesh(base.path, base.up)
+        return joined(*read_flat_mesh(base.path, base.up))
     except SceneError as error:
         raise SceneError(scene.located("map.mesh", str(error))) from error
-    corners = vertices[triangles]
-    shapes = shapely.polygons(corners)
-    if shapely.coverage_is_valid(shapes):
-        return shapely.coverage_union_all(shapes)
-    return shapely.union_all(shapes)
