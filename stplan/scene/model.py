@@ -184,6 +184,11 @@ def located(
         if known in overridden:
             return f"--set {overridden[known]}: {text}", None
         known = known[: max(known.rfind("."), known.rfind("["), 0)]
+    if path and path not in locations:
+        # Neither in the file nor set: perhaps a section that an override made on its way.
+        for key, override in overridden.items():
+            if key.startswith((f"{path}.", f"{path}[")):
+                return f"--set {override}: {text}", None
     known = path
     while known not in locations and known:
         known = known[: max(known.rfind("."), known.rfind("["), 0)]
