@@ -1,0 +1,149 @@
+"""Families of scenes that grow with the number of agents, built in memory."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from stplan.arrays import FloatArray
+from stplan.scene.model import Agent, Scene, SeedingSettings, SolverSettings, Weights
+
+
+def agent(name: str, start: Sequence[float], goal: Sequence[float], **changes: object) -> Agent:
+    """An agent of radius 0.5 m that has 20 s, but for `changes`."""
+    plain = Agent(
+        id=name,
+        start=(float(start[0]), float(start[1])),
+        goal=(float(goal[0]), float(goal[1])),
+        start_time=0.0,
+        max_time=20.0,
+        preferred_time=None,
+        radius=0.5,
+        mass=1.0,
+        after_arrival="stay",
+        waypoints=(),
+        weights=Weights(),
+    )
+    return replace(plain, **changes)  # type: ignore[arg-type]
+
+
+def scene(agents: Sequence[Agent], **changes: object) -> Scene:
+    """A scene of `agents` in the open plane, its horizon the latest `max_time`."""
+    plain = Scene(
+        name="family",
+        description="",
+        source=None,
+        content_hash="",
+        map=None,
+        horizon=max(one.max_time for one in agents),
+        time_scale=1.0,
+        agents=tuple(agents),
+        pairs=(),
+        seeding=SeedingSettings(),
+        solver=SolverSettings(),
+    )
+    return replace(plain, **changes)  # type: ignore[arg-type]
+
+
+def crowd(starts: FloatArray, goals: FloatArray, duration: float, **changes: object) -> Scene:
+    """Agents from every row of `starts` (A, 2) to that of `goals` within `duration` s."""
+    return scene(
+        [
+            agent(f"a{k}", start, goal, max_time=duration, **changes)
+            for k, (start, goal) in enumerate(zip(starts, goals, strict=True))
+        ]
+    )
+
+
+def scattered(
+    rng: np.random.Generator, count: int, low: FloatArray, high: FloatArray, apart: float
+) -> FloatArray:
+    """`count` random points in a box, pairwise more than `apart` m from one another."""
+    points = np.empty((0, 2))
+    while len(points) < count:
+        point = rng.uniform(low, high)
+        if not len(points) or np.hypot(*(points - point).T).min() > apart:
+            points = np.vstack([points, point])
+    return points
+
+
+def open_field(count: int, density: float, rng_seed: int = 0, radius: float = 0.5) -> Scene:
+    """Random starts and goals in a square that discs fill to `density`; 1 m/s would cross it."""
+    rng = np.random.default_rng(rng_seed)
+    side = float(np.sqrt(count * np.pi * radius**2 / density))
+    box = np.zeros(2), np.full(2, side)
+    starts = scattered(rng, count, *box, 2.2 * radius)
+    goals = scattered(rng, count, *box, 2.2 * radius)
+    return crowd(starts, goals, side, radius=radius)
+
+
+def crossing_flows(
+    count: int,
+    speed: float = 1.0,
+    rng_seed: int = 0,
+    radius: float = 0.5,
+    density: float = 0.12,
+) -> Scene:
+    """Half of the agents walk east, half north, through a square that each fills half."""
+    rng = np.random.default_rng(rng_seed)
+    side = float(np.sqrt(count * np.pi * radius**2 / density))
+    half = count // 2
+    apart = 2.2 * radius
+    west = scattered(rng, half, np.array([-side / 2, 0.0]), np.array([0.0, side]), apart)
+    south = scattered(rng, count - half, np.array([0.0, -side / 2]), np.array([side, 0.0]), apart)
+    # A little off the square, and as far beyond it, so that no two ends of the flows touch.
+    starts = np.vstack([west - [apart, 0.0], south - [0.0, apart]])
+    ways = (1.5 * side + 2.0 * apart) * np.eye(2)
+    goals = starts + np.repeat(ways, [half, count - half], axis=0)
+    return crowd(starts, goals, float(ways[0, 0]) / speed, radius=radius)
+
+
+def circle(count: int, extent: float, duration: float, radius: float = 0.5) -> Scene:
+    """Agents on a circle of radius `extent`, each going to the opposite point."""
+    angle = 2.0 * np.pi * np.arange(count) / count
+    starts = extent * np.column_stack([np.cos(angle), np.sin(angle)])
+    return crowd(starts, -starts, duration, radius=radius)
+
+
+def lanes(count: int, duration: float = 60.0, radius: float = 0.5) -> Scene:
+    """Two columns of agents meet head-on, `count` in all, each to the other's mirror place."""
+    rows = count // 2
+    y = 3.0 * radius * np.arange(rows)
+    starts = np.vstack([np.column_stack([np.full(rows, x), y]) for x in (0.0, 50.0)])
+    goals = np.vstack([starts[rows:], starts[:rows]])
+    return crowd(starts, goals, duration, radius=radius)
+
+
+def heavy_lanes(rng: np.random.Generator, count: int, heavy: int = 2) -> Scene:
+    """`lanes` in which `heavy` random agents weigh 20 to 100 times as much as the others."""
+    plain = lanes(count, duration=float(rng.uniform(50.0, 70.0)))
+    chosen = set(rng.permutation(count)[:heavy].tolist())
+    return replace(
+        plain,
+        agents=tuple(
+            replace(one, mass=float(rng.uniform(20.0, 100.0))) if index in chosen else one
+            for index, one in enumerate(plain.agents)
+        ),
+    )
+
+
+def straight_energy(scene: Scene) -> float:
+    """Kinetic cost of walking straight at constant speed (J)."""
+    return sum(
+        0.5
+        * one.mass
+        * ((one.goal[0] - one.start[0]) ** 2 + (one.goal[1] - one.start[1]) ** 2)
+        / (one.max_time - one.start_time)
+        for one in scene.agents
+    )
+
+
+def energy(scene: Scene, curves: Sequence[FloatArray]) -> float:
+    """Kinetic cost of `curves` (J)."""
+    total = 0.0
+    for one, curve in zip(scene.agents, curves, strict=True):
+        step = np.diff(curve, axis=0)
+        total += 0.5 * one.mass * float(((step[:, :2] ** 2).sum(axis=1) / step[:, 2]).sum())
+    return total

@@ -1,0 +1,102 @@
+"""Measurements of the seeder as a CSV of draws and as a Markdown table of families."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import astuple, fields
+from pathlib import Path
+
+import numpy as np
+
+from stplan.bench.seeding import Measurement, growth_exponent
+from stplan.files.atomic import write_set
+
+_HEAD = (
+    "family",
+    "draws",
+    "success %",
+    "median s",
+    "worst s",
+    "kinetic over straight, median",
+    "found by",
+)
+
+
+def csv_text(measurements: Sequence[Measurement]) -> str:
+    """One row a draw."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow([field.name for field in fields(Measurement)])
+    for one in measurements:
+        writer.writerow(_plain(value) for value in astuple(one))
+    return stream.getvalue()
+
+
+def _plain(value: object) -> str:
+    if isinstance(value, bool):
+        return str(int(value))
+    if isinstance(value, float):
+        return "" if np.isnan(value) else f"{value:.6g}"
+    return str(value)
+
+
+def markdown_text(measurements: Sequence[Measurement]) -> str:
+    """One row a family, padded to be read as it stands, and the growth with agents."""
+    rows = [_HEAD, *_rows(measurements)]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(_HEAD))]
+
+    def line(cells: Sequence[str]) -> str:
+        padded = [
+            cell.rjust(width) if 0 < column < len(_HEAD) - 1 else cell.ljust(width)
+            for column, (cell, width) in enumerate(zip(cells, widths, strict=True))
+        ]
+        return f"| {' | '.join(padded)} |"
+
+    rule = [
+        "-" * (width - 1) + ":" if 0 < column < len(_HEAD) - 1 else "-" * width
+        for column, width in enumerate(widths)
+    ]
+    lines = [line(_HEAD), f"| {' | '.join(rule)} |", *(line(row) for row in rows[1:])]
+    exponent = growth_exponent(measurements)
+    if exponent is not None:
+        lines += ["", f"Time on the open field grows with agents^{exponent:.2f} (fitted)."]
+    return "\n".join(lines) + "\n"
+
+
+def _rows(measurements: Sequence[Measurement]) -> list[tuple[str, ...]]:
+    """Cells of every family; failed draws count in the times, as long as they took."""
+    rows: list[tuple[str, ...]] = []
+    for name in dict.fromkeys(one.family for one in measurements):
+        ones = [one for one in measurements if one.family == name]
+        good = [one for one in ones if one.success]
+        finders = Counter(one.found_by for one in good)
+        rows.append(
+            (
+                name,
+                str(len(ones)),
+                f"{100.0 * len(good) / len(ones):.0f}",
+                f"{np.median([one.seconds for one in ones]):.3f}",
+                f"{max(one.seconds for one in ones):.3f}",
+                f"{np.median([one.kinetic_over_straight for one in good]):.3f}" if good else "-",
+                ", ".join(f"{finder} {count}" for finder, count in finders.most_common()) or "-",
+            )
+        )
+    return rows
+
+
+def write_measurements(folder: Path, measurements: Sequence[Measurement]) -> list[Path]:
+    """Write `seeding.csv` and `seeding.md` into `folder` and return their paths.
+
+    Raises:
+        UsageError: they cannot be written.
+    """
+    return write_set(
+        folder,
+        {
+            "seeding.csv": csv_text(measurements).encode(),
+            "seeding.md": markdown_text(measurements).encode(),
+        },
+    )
