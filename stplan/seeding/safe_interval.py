@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from stplan.arrays import BoolArray, IntArray
 from stplan.compiled import kernel
 from stplan.seeding.graph import UNREACHABLE, Graph
+from stplan.seeding.heap import drop_root, push
 from stplan.seeding.reservations import CountArray
 
 StateArray = NDArray[np.int32]
@@ -73,44 +74,6 @@ class SafeIntervalSearch:
                 return path if len(path) else None
             self._states = np.empty((2 * len(self._states), 7), dtype=np.int32)
             self._heap = np.empty((2 * len(self._heap), 3), dtype=np.int64)
-
-
-@kernel
-def _push(heap: IntArray, size: int, key: int, state: int, arrival: int) -> None:
-    """Add an entry to a binary heap of `size` entries (key, state, arrival), least key first."""
-    place = size
-    while place > 0:
-        above = (place - 1) >> 1
-        if heap[above, 0] <= key:
-            break
-        for column in range(3):
-            heap[place, column] = heap[above, column]
-        place = above
-    heap[place, 0] = key
-    heap[place, 1] = state
-    heap[place, 2] = arrival
-
-
-@kernel
-def _drop_root(heap: IntArray, size: int) -> None:
-    """Remove the first entry of a binary heap of `size` entries."""
-    size -= 1
-    key, state, arrival = heap[size, 0], heap[size, 1], heap[size, 2]
-    place = 0
-    while True:
-        below = 2 * place + 1
-        if below >= size:
-            break
-        if below + 1 < size and heap[below + 1, 0] < heap[below, 0]:
-            below += 1
-        if heap[below, 0] >= key:
-            break
-        for column in range(3):
-            heap[place, column] = heap[below, column]
-        place = below
-    heap[place, 0] = key
-    heap[place, 1] = state
-    heap[place, 2] = arrival
 
 
 @kernel
@@ -207,7 +170,7 @@ def _search(
     while size > 0:
         state = heap[0, 1]
         arrival = heap[0, 2]
-        _drop_root(heap, size)
+        drop_root(heap, size)
         size -= 1
         if states[state, _ARRIVAL] != arrival:
             continue
@@ -243,7 +206,7 @@ def _search(
                     states[found, _PARENT] = state
                     # Least arrival at the goal first, and of equals the one nearest to it.
                     key = ((layer + 1 + to_go) << 24) + to_go
-                    _push(heap, size, key, found, layer + 1)
+                    push(heap, size, key, found, layer + 1)
                     size += 1
                 # Leaving later is of use only to reach the next interval of the other vertex.
                 layer = max(layer + 1, int(states[found, _LAST]))

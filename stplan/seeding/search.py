@@ -26,6 +26,7 @@ from stplan.seeding.diagnosis import (
     stranded,
     stuck,
 )
+from stplan.seeding.joint_state import MOST_AGENTS, plan_jointly
 from stplan.seeding.layered import (
     Journeys,
     LayeredPlanner,
@@ -113,11 +114,11 @@ class _Level:
 
 def schedule(num_margins: int) -> list[Stage]:
     """Stages in order; the last ones have most effort and repeat what failed on more layers."""
-    stages = [Stage(0, 1, 1), Stage(0, 2, 1), Stage(0, 4, 2)]
-    stages += [Stage(level, layers, 1) for level in range(1, num_margins) for layers in (1, 3)]
+    stages = [Stage(0, 1, 1), Stage(0, 2, 1)]
+    stages += [Stage(level, 1, 1) for level in range(1, num_margins)]
     stages += [
         Stage(level, layers, effort)
-        for layers, effort in ((3, 4), (6, 8), (4, 32), (8, 64), (12, 256))
+        for layers, effort in ((2, 2), (4, 4), (3, 16), (6, 32), (12, 128))
         for level in range(num_margins)
     ]
     return stages
@@ -262,15 +263,34 @@ def _run_stage(
     ways = first_curves(planner, rng)
     if ways is None:
         return _Attempt(None, "", tries, ())
-    mended = repair(planner, ways, rng, stage.effort * (20 + 2 * count), stopped)
+    mended = repair(planner, ways, rng, stage.effort * (40 + 2 * count), stopped)
     tries += mended.iterations
     if mended.conflicts == 0:
         return _Attempt(mended.curves, "repair", tries, ())
     if count <= (MOST_PRIORITY_BASED if stage.effort > 2 else FEW_PRIORITY_BASED):
         tree = plan_priority_based(
-            planner, rng, 4 * stage.effort, 20 + 2 * count * stage.effort, stopped
+            planner, rng, 2 * stage.effort, 10 + count * stage.effort, stopped
         )
         tries += tree.nodes
         if tree.curves is not None:
             return _Attempt(tree.curves, "priority-based", tries, ())
+    group = _knot(planner, mended.touching)
+    # More layers do not help the joint search: once a margin.
+    once = (1, 1) if count <= MOST_AGENTS else (2, 2)
+    if group and (stage.layers, stage.effort) == once:
+        curves = plan_jointly(planner, group, rng, stopped)
+        tries += 1
+        if curves is not None:
+            return _Attempt(curves, "joint", tries, ())
     return _Attempt(None, "", tries, stuck(planner.problem, mended.curves, mended.touching))
+
+
+def _knot(planner: LayeredPlanner, touching: Sequence[tuple[int, int]]) -> list[int]:
+    """Two or three agents that block each other, for a joint search; none if there are more."""
+    group: list[int] = []
+    for pair in touching:
+        group += [agent for agent in pair if agent not in group]
+    if 2 <= len(planner.movers) <= MOST_AGENTS:
+        group = list(planner.movers)
+    small = 2 <= len(group) <= MOST_AGENTS
+    return group if small and set(group) <= set(planner.movers) else []

@@ -68,6 +68,27 @@ def test_shipped_tight_scenes_are_solved(path: Path) -> None:
     searched(load_scene(path))
 
 
+def test_a_swap_past_a_pocket_behind_the_start_takes_a_joint_search() -> None:
+    # One has to back into the pocket, the other to pass it, wait beyond and come back.
+    outer = (
+        (0.0, 0.0), (1.1, 0.0), (1.1, -0.9), (1.9, -0.9), (1.9, 0.0), (8.0, 0.0), (8.0, 0.8),
+        (0.0, 0.8),
+    )  # fmt: skip
+    journeys = [((2.5, 0.4), (7.5, 0.4)), ((7.5, 0.4), (2.5, 0.4))]
+    result = searched(families.make_scene("behind", outer, [], journeys))
+    assert result.part == "joint"
+
+
+def test_others_are_planned_around_a_joint_pair() -> None:
+    outer = (
+        (0.0, 0.0), (1.1, 0.0), (1.1, -0.9), (1.9, -0.9), (1.9, 0.0), (8.0, 0.0), (8.0, -2.0),
+        (12.0, -2.0), (12.0, 2.0), (8.0, 2.0), (8.0, 0.8), (0.0, 0.8),
+    )  # fmt: skip
+    journeys = [((2.5, 0.4), (7.5, 0.4)), ((7.5, 0.4), (2.5, 0.4))]
+    journeys += [((11.0, y), (9.0, -y)) for y in (-1.2, 1.2)]
+    searched(families.make_scene("room", outer, [], journeys))
+
+
 @pytest.mark.parametrize("family", ["warehouse", "pillars", "door"])
 def test_curves_that_touch_are_repaired(family: str) -> None:
     scene = SMALL[family](np.random.default_rng(6))
