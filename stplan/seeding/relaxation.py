@@ -221,8 +221,8 @@ class _Relaxation:
         tails = strings.positions[strings.segments[:, 1]]
         moving = np.arange(len(strings.segments)) < strings.num_moving
         reach = self.rod_target + self.skin
-        typical = float(np.median(np.abs(tails - heads)[moving].max(axis=1), axis=0))
-        cell = max(typical, float(np.median(reach)))
+        extent = np.abs(tails - heads).max(axis=1)
+        cell = max(float(np.median(extent)), float(np.median(reach)))
         self.rows, self.members = near_rows(
             strings.positions, strings.segments, strings.agents, moving, problem.collides,
             reach, cell,

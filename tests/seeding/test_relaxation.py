@@ -12,6 +12,7 @@ import shapely
 from stplan.arrays import FloatArray
 from stplan.scene.model import Agent, PairRule, Scene, Weights
 from stplan.seeding.block_tridiagonal import FIXED, FREE, PINNED, hold_knots, solve
+from stplan.seeding.polish import prepare_seed
 from stplan.seeding.relaxation import RelaxationResult, relax
 from stplan.seeding.rods import RodProblem, verify
 from stplan.world import FreeSpace
@@ -210,6 +211,21 @@ def test_walls_are_kept_off_and_never_crossed() -> None:
     walls = door().boundary
     for curve in result.curves:
         assert shapely.LineString(curve[:, :2]).distance(walls) > 0.4
+
+
+def test_the_smallest_scenes() -> None:
+    alone = agent("alone", (0, 0), (10, 0))
+    _, result = relaxed(scene([alone]))
+    assert result.solved
+    told = replace(alone, path=((0.0, 0.0, 0.0), (10.0, 0.0, 20.0)))
+    problem, result = relaxed(scene([told]))
+    assert result.solved
+    assert (result.curves[0] == np.array(told.path)).all()
+    assert (prepare_seed(problem, result.curves)[0] == result.curves[0]).all()
+    still = [agent("a", (0, 0), (0, 0)), agent("b", (3, 0), (3, 0))]
+    _, result = relaxed(scene(still))
+    assert result.solved
+    assert (result.curves[0][:, :2] == 0.0).all()
 
 
 def test_the_impossible_is_reported_within_its_limits() -> None:
