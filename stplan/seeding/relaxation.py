@@ -177,14 +177,29 @@ class _Relaxation:
         self.progress_at = self.sweeps
         self.fewest = np.inf
         knocked: set[int] = set()
+        for agent in sorted({agent for pair in stuck for agent in pair}):
+            self.age[agent] = 0.0
+            self._put_off(agent)
         for pair in stuck:
-            self.age[list(pair)] = 0.0
             if knocked.isdisjoint(pair):
                 one = pair[int(self.rng.random() < 0.5)]
                 one = one if self.problem.paths[one] is None else sum(pair) - one
                 knocked.add(one)
                 self._knock(one)
         self._list_neighbours()
+
+    def _put_off(self, agent: int) -> None:
+        """Aim at the latest arrival where the preferred one is earlier: its tail is in the way."""
+        problem, strings = self.problem, self.strings
+        late = problem.preferred_times[agent] < problem.max_times[agent]
+        if not late or not problem.stays[agent] or problem.fixed[agent]:
+            return
+        knots = strings.knots(agent)
+        rise = self.ceilings[agent] - knots[0, 2]
+        knots[:, 2] = knots[0, 2] + (knots[:, 2] - knots[0, 2]) * (
+            rise / (knots[-1, 2] - knots[0, 2])
+        )
+        self.rest_rises[agent] = rise / (len(knots) - 1)
 
     def _knock(self, agent: int) -> None:
         """Push a part of a string (as it is, or as it was at first) aside by a radius or so."""
@@ -220,11 +235,13 @@ class _Relaxation:
         heads = strings.positions[strings.segments[:, 0]]
         tails = strings.positions[strings.segments[:, 1]]
         moving = np.arange(len(strings.segments)) < strings.num_moving
+        # Tails are listed too: they push nothing, but may stand in the way of a given path.
+        asking = ~problem.fixed[strings.agents]
         reach = self.rod_target + self.skin
         extent = np.abs(tails - heads).max(axis=1)
         cell = max(float(np.median(extent)), float(np.median(reach)))
         self.rows, self.members = near_rows(
-            strings.positions, strings.segments, strings.agents, moving, problem.collides,
+            strings.positions, strings.segments, strings.agents, asking, problem.collides,
             reach, cell,
         )  # fmt: skip
         if problem.boundary is None:

@@ -183,6 +183,18 @@ def test_given_paths_never_move() -> None:
     assert sampled_ratio(problem, result.curves) > 1.0
 
 
+def test_a_goal_on_a_given_path_is_reached_after_it_is_free() -> None:
+    told = agent("told", (5, -9), (5, 9), path=((5.0, -9.0, 0.0), (5.0, 9.0, 20.0)))
+    keen = agent("keen", (0, 0), (5, 0), preferred_time=6.0, weights=Weights(arrival=1.0))
+    problem, result = relaxed(scene([told, keen]))
+    assert result.solved
+    assert sampled_ratio(problem, result.curves) > 1.0
+    hopeless = replace(keen, max_time=6.0)
+    _, result = relaxed(scene([told, hopeless]))
+    assert not result.solved
+    assert result.stuck == [(0, 1)]
+
+
 def door() -> FreeSpace:
     """Two rooms joined by a door 1.6 m wide."""
     wall = shapely.union(shapely.box(4.8, -9, 5.2, -0.8), shapely.box(4.8, 0.8, 5.2, 9))
