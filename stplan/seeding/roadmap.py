@@ -79,10 +79,11 @@ def build_roadmap(
     area = max(float(region.area), least * least)
     # A little over the radius: on a lattice of just the radius, two spacings tie with two radii.
     spacing = max(1.02 * least, float(np.sqrt(area / (0.866 * MAX_VERTICES)))) / refine
-    vertices = _vertices(free_space, region, places, distinct, spacing)
+    medial = None if free_space is None else _medial_points(free_space, least, spacing)
+    vertices = _vertices(region, places, distinct, spacing, medial)
     while len(vertices) > 2 * MAX_VERTICES * refine and spacing < 16 * least:
         spacing *= 1.5
-        vertices = _vertices(free_space, region, places, distinct, spacing)
+        vertices = _vertices(region, places, distinct, spacing, medial)
     floor = -np.inf if ignores_walls else least
     vertices, edges = _triangulate(free_space, vertices, len(places), spacing, floor)
     clearance = np.concatenate(
@@ -114,13 +115,16 @@ def _region(free_space: FreeSpace | None, places: FloatArray, around: float) -> 
 
 
 def _vertices(
-    free_space: FreeSpace | None,
     region: shapely.Geometry,
     places: FloatArray,
     radii: FloatArray,
     spacing: float,
+    medial: tuple[FloatArray, FloatArray] | None,
 ) -> FloatArray:
-    """All points of the roadmap, the places first, thinned to about `spacing`."""
+    """All points of the roadmap, the places first, thinned to about `spacing`.
+
+    `medial`: medial points and their room, None in the open plane.
+    """
     least = float(radii[0])
     points = [places]
     apart = [np.zeros(len(places))]
@@ -129,18 +133,18 @@ def _vertices(
         points.append(more.reshape(-1, 2))
         apart.append(np.full(len(points[-1]), distance))
 
-    if free_space is not None:
+    if medial is not None:
         step = max(1, -(-len(radii) // MAX_RINGS))
         for radius in radii[::step]:
             offer(_ring_points(region, float(radius), spacing), 0.12 * min(spacing, least))
-        points_at, room = _medial_points(free_space, least, spacing)
+        middles, room = medial
         narrow, tight = room < 1.1 * least, room < 1.3 * least
-        offer(points_at[narrow], 0.12 * min(spacing, least))
-        offer(points_at[tight & ~narrow], 0.3 * spacing)
-        offer(points_at[~tight], 0.45 * spacing)
+        offer(middles[narrow], 0.12 * min(spacing, least))
+        offer(middles[tight & ~narrow], 0.3 * spacing)
+        offer(middles[~tight], 0.45 * spacing)
     for reach in _halvings(spacing, least):
         offer(_star_points(region, places, reach), 0.45 * reach)
-    inner = region.buffer(-least) if free_space is not None else region
+    inner = region if medial is None else region.buffer(-least)
     offer(_hexagonal_points(inner, spacing), 0.45 * spacing)
     return _thin(np.vstack(points), np.concatenate(apart))
 
@@ -221,9 +225,10 @@ def _medial_points(
     samples = np.vstack([_along(ring, step) for ring in _rings(free_space.polygon)])
     points = _inside(free_space.polygon, Voronoi(np.unique(samples, axis=0)).vertices)
     room = _point_clearance(free_space, points)
-    points = points[room > 0.9 * radius]
-    tight = room[room > 0.9 * radius] < 1.5 * radius
-    points[tight] = _centred(free_space, points[tight], step)
+    wide = points[room >= 1.5 * radius]
+    tight = points[(room > 0.9 * radius) & (room < 1.5 * radius)]
+    tight = _thin(tight, np.full(len(tight), 0.08 * radius))
+    points = np.vstack([_centred(free_space, tight, step), wide])
     room = _point_clearance(free_space, points)
     return points[room > radius], room[room > radius]
 
@@ -252,6 +257,8 @@ def _centred(free_space: FreeSpace, points: FloatArray, reach: float) -> FloatAr
 
 def _thin(points: FloatArray, apart: FloatArray) -> FloatArray:
     """`points` in order, each dropped when an earlier kept one is nearer than its `apart` (m)."""
+    if len(points) == 0:
+        return points
     near = cKDTree(points).query_ball_point(points, apart, return_sorted=True)
     alive = np.ones(len(points), dtype=bool)
     for index, others in enumerate(near):
