@@ -40,9 +40,9 @@ def prepare_seed(
 ) -> list[FloatArray]:
     """`curves` polished and evened out, with `num_knots` knots an agent (None follows the bends).
 
-    The curves have to be clear. They are polished up to `held_requirement` of the margin, and a
-    fifth of what that asks over R goes into evening out. Given paths stay as they are. A curve may
-    keep more knots than asked for where its bends cannot be had with fewer.
+    The curves have to be clear. They are polished up to `held_requirement` of the margin, and
+    `SLACK` of what that asks over R may go into evening out. Given paths stay as they are. A curve
+    may keep more knots than asked for where its bends cannot be had with fewer.
     """
     required = held_requirement(problem, curves, margin)
     polished = polish(problem, curves, required=required, rng_seed=rng_seed)
