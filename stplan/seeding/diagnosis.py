@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.seeding.layered import exact_points
+from stplan.seeding.layered import LayeredPlanner, exact_points
 from stplan.seeding.rod_kernels import rod_distance
 from stplan.seeding.rods import RodProblem
 from stplan.smooth_distance.segments import closest_parameters
@@ -19,7 +19,9 @@ from stplan.smooth_distance.segments import closest_parameters
 if TYPE_CHECKING:
     from stplan.world import FreeSpace
 
-Kind = Literal["start", "goal", "not connected", "roadmap", "layers", "order", "touching"]
+Kind = Literal[
+    "start", "goal", "not connected", "roadmap", "layers", "order", "blocked", "touching"
+]
 
 # Erosion uses slightly less than the radius, so that rounded corners never prove too much.
 EROSION = 1.0 - 1e-3
@@ -88,36 +90,47 @@ def _in_one_part(parts: FloatArray, stops: FloatArray, tolerance: float) -> bool
 
 
 def _touching_ends(problem: RodProblem) -> list[Reason]:
-    """Starts at the same time, and goals that are stayed on, closer than R; starts on given paths."""
+    """Starts at the same time and goals that are stayed on, closer than R; ends near given paths."""
     scale = np.array([1.0, 1.0, problem.time_scale])
     starts = np.column_stack([problem.starts, problem.start_times]) * scale
+    given = problem.fixed
+    start_gaps = _distances(starts)
+    near_starts = (start_gaps <= problem.distance) | given[:, None] | given[None]
+    goal_gaps = _distances(problem.goals)
+    stay = problem.stays[:, None] & problem.stays[None]
+    near_goals = stay & (goal_gaps <= problem.distance)
     reasons = []
-    for a in range(problem.num_agents):
-        for b in range(a + 1, problem.num_agents):
-            if not problem.collides[a, b]:
-                continue
-            limit = float(problem.distance[a, b])
-            names = f"{problem.agent_ids[a]} and {problem.agent_ids[b]}"
-            gap = _end_distance(problem, starts, a, b, limit)
-            if gap <= limit:
-                sentence = f"{names} start {gap:.4g} m apart in space-time, not over {limit:.4g} m"
-                place = (float(starts[a, 0]), float(starts[a, 1]))
-                reasons.append(Reason("start", (a, b), True, sentence, place))
-            gap = float(np.hypot(*(problem.goals[a] - problem.goals[b])))
-            if problem.stays[a] and problem.stays[b] and gap <= limit:
-                sentence = f"{names} stay on goals {gap:.4g} m apart, not over {limit:.4g} m"
-                place = (float(problem.goals[a, 0]), float(problem.goals[a, 1]))
-                reasons.append(Reason("goal", (a, b), True, sentence, place))
+    for a, b in np.argwhere(np.triu(problem.collides & (near_starts | near_goals))):
+        pair = (int(a), int(b))
+        limit = float(problem.distance[pair])
+        names = f"{problem.agent_ids[a]} and {problem.agent_ids[b]}"
+        gap = _beginning_gap(problem, starts, pair, limit)
+        if gap <= limit:
+            sentence = f"{names} start {gap:.4g} m apart in space-time, not over {limit:.4g} m"
+            place = (float(starts[a, 0]), float(starts[a, 1]))
+            reasons.append(Reason("start", pair, True, sentence, place))
+        if near_goals[pair]:
+            gap = float(goal_gaps[pair])
+            sentence = f"{names} stay on goals {gap:.4g} m apart, not over {limit:.4g} m"
+            place = (float(problem.goals[a, 0]), float(problem.goals[a, 1]))
+            reasons.append(Reason("goal", pair, True, sentence, place))
     return reasons
 
 
-def _end_distance(problem: RodProblem, starts: FloatArray, a: int, b: int, limit: float) -> float:
-    """Distance of what cannot move of two agents' beginnings: start points, or given paths; m."""
-    first, second = problem.paths[a], problem.paths[b]
-    rods = [
-        np.array([starts[agent], starts[agent]]) if path is None else problem.rod(agent, path)
-        for agent, path in ((a, first), (b, second))
-    ]
+def _distances(points: FloatArray) -> FloatArray:
+    """(n, n) distances of `points` (n, d)."""
+    return np.asarray(np.linalg.norm(points[:, None] - points[None], axis=2))
+
+
+def _beginning_gap(
+    problem: RodProblem, starts: FloatArray, pair: tuple[int, int], limit: float
+) -> float:
+    """Distance of what cannot move of two agents' beginnings: start points or given paths; m."""
+    rods = []
+    for agent in pair:
+        path = problem.paths[agent]
+        point = np.array([starts[agent], starts[agent]])
+        rods.append(point if path is None else problem.rod(agent, path))
     return rod_distance(rods[0], rods[1], 1.5 * limit)
 
 
@@ -176,6 +189,18 @@ def late(problem: RodProblem, agents: Sequence[int], layers: int) -> tuple[Reaso
         )
         for agent in agents
     )
+
+
+def no_way_past(planner: LayeredPlanner, group: Sequence[int]) -> tuple[Reason, ...]:
+    """However the `group` moves, its members cannot get past each other on the roadmap."""
+    names = " and ".join(planner.problem.agent_ids[agent] for agent in group)
+    start = planner.problem.starts[group[0]]
+    sentence = (
+        f"{names} cannot get past each other, whatever detours they take: all their joint "
+        f"positions on a roadmap of {planner.graph.num_vertices} points were searched"
+    )
+    place = (float(start[0]), float(start[1]))
+    return (Reason("blocked", tuple(group), False, sentence, place),)
 
 
 def stuck(

@@ -10,6 +10,7 @@ The steps share all the time there is, and stretching never lowers a rod distanc
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -29,33 +30,53 @@ WIDENINGS = (1.0, 1.03, 1.1, 1.2, 1.4)
 ORDERS_OF_OTHERS = 6
 
 
+@dataclass(frozen=True)
+class Joint:
+    """What a joint search found.
+
+    Attributes:
+        curves: one (n, 3) curve an agent, or None.
+        impossible: the group has no way past each other on this roadmap, however it moves, so
+            nor has the whole scene.
+    """
+
+    curves: list[FloatArray] | None
+    impossible: bool = False
+
+
 def plan_jointly(
     planner: LayeredPlanner,
     group: Sequence[int],
     rng: np.random.Generator,
     stopped: Callable[[], bool],
-) -> list[FloatArray] | None:
-    """Curves of all agents, the `group` (2 or 3) planned first and jointly; None if not found."""
+) -> Joint:
+    """Curves of all agents, the `group` (2 or 3) planned first and jointly."""
     for widening in WIDENINGS:
         if stopped():
-            return None
-        steps = _joint_steps(planner, group, widening)
+            break
+        steps, exhausted = _joint_steps(planner, group, widening)
         if steps is None:
-            # Wider distances leave even fewer ways.
-            return None
+            # Wider distances leave even fewer ways. Rods further apart than R are so at equal
+            # times: without widening, no way is a proof if all are there from start to end.
+            problem = planner.problem
+            together = len(np.unique(problem.start_times[list(group)])) == 1
+            stay = bool(problem.stays[list(group)].all())
+            return Joint(None, exhausted and widening == WIDENINGS[0] and together and stay)
         curves = _with_others(planner, group, _timed(planner, group, steps), rng)
         if curves is not None:
-            return curves
-    return None
+            return Joint(curves)
+    return Joint(None)
 
 
-def _joint_steps(planner: LayeredPlanner, group: Sequence[int], widening: float) -> IntArray | None:
-    """(n + 1, G) vertices of the group after every step, or None."""
+def _joint_steps(
+    planner: LayeredPlanner, group: Sequence[int], widening: float
+) -> tuple[IntArray | None, bool]:
+    """(n + 1, G) vertices of the group after every step, or None; and whether all was searched."""
     journeys, graph = planner.journeys, planner.graph
     size = len(group)
     legs = [len(journeys.targets[agent]) for agent in group]
     if not 2 <= size <= MOST_AGENTS or max(legs) > 1 or graph.num_vertices**size > MOST_STATES:
-        return None
+        return None, False
     apart = np.zeros((size, size))
     for i, a in enumerate(group):
         for j, b in enumerate(group):
@@ -68,13 +89,13 @@ def _joint_steps(planner: LayeredPlanner, group: Sequence[int], widening: float)
         step = graph.vertices[ends][:, None] - graph.vertices[ends][None]
         gap = np.hypot(step[..., 0], step[..., 1]) + np.diag(np.full(size, np.inf))
         apart = np.minimum(apart, gap * (1.0 - 1e-9))
-    steps = _search(
+    steps, exhausted = _search(
         start, goal,
         np.stack([journeys.hops[agent][0] for agent in group]),
         np.stack([journeys.free[agent] for agent in group]),
         apart, graph.vertices, graph.out_offsets, graph.out_moves, graph.move_to, MOST_EXPANSIONS,
     )  # fmt: skip
-    return steps if len(steps) > 1 else None
+    return (steps if len(steps) > 1 else None), exhausted
 
 
 def _timed(planner: LayeredPlanner, group: Sequence[int], steps: IntArray) -> dict[int, FloatArray]:
@@ -157,8 +178,11 @@ def _search(
     out_moves: IntArray,
     move_to: IntArray,
     max_expansions: int,
-) -> IntArray:
-    """A* over joint states, fewest steps first; (n + 1, G) vertices, (0, G) if there is no way."""
+) -> tuple[IntArray, bool]:
+    """A* over joint states, fewest steps first: (n + 1, G) vertices, (0, G) if none were found.
+
+    The second result says whether all states that can be reached were searched.
+    """
     size = len(start)
     num_vertices = len(vertices)
     parent = np.full(num_vertices**size, -1, np.int64)
@@ -171,7 +195,7 @@ def _search(
     final = 0
     for agent in range(size):
         if hops[agent, start[agent]] >= UNREACHABLE:
-            return np.empty((0, size), np.int64)
+            return np.empty((0, size), np.int64), True
         origin = origin * num_vertices + start[agent]
         final = final * num_vertices + goal[agent]
     steps[origin] = 0
@@ -193,7 +217,7 @@ def _search(
                     path[row, agent] = code % num_vertices
                     code //= num_vertices
                 state = parent[state]
-            return path
+            return path, False
         expansions += 1
         code = state
         for agent in range(size - 1, -1, -1):
@@ -248,4 +272,4 @@ def _search(
                     break
             if clear:
                 agent += 1
-    return np.empty((0, size), np.int64)
+    return np.empty((0, size), np.int64), entries == 0

@@ -22,6 +22,7 @@ from stplan.seeding.diagnosis import (
     Reason,
     hopeless,
     late,
+    no_way_past,
     not_connected,
     stranded,
     stuck,
@@ -96,6 +97,8 @@ class _Level:
         self, problem: RodProblem, free_space: FreeSpace | None, margin: float, refine: float
     ) -> None:
         self.margin = margin
+        # Set once it is known that this margin's roadmap has no solution.
+        self.hopeless = False
         self.required: Requirement = requirement(problem, margin)
         self.movers = [int(agent) for agent in np.flatnonzero(~problem.fixed)]
         heeding = problem.heeds_walls[self.movers]
@@ -159,6 +162,10 @@ def search_curves(
             levels[stage.level] = level
         if level.journeys.stranded():
             reasons = reasons or stranded(problem, level.journeys.stranded(), level.margin)
+            level.hopeless = True
+        if all(known is not None and known.hopeless for known in levels):
+            break
+        if level.hopeless:
             continue
         count = settings.layers or automatic_layers(problem, level.graph, level.journeys)
         planner = LayeredPlanner(
@@ -177,6 +184,7 @@ def search_curves(
         if attempt.curves is not None and not verify(problem, attempt.curves, planner.required):
             return SearchResult(attempt.curves, attempt.part, level.margin, tries, ())
         reasons = attempt.reasons or reasons
+        level.hopeless = attempt.impossible
     return SearchResult(None, "", settings.margin, tries, reasons)
 
 
@@ -246,6 +254,7 @@ class _Attempt:
     part: str
     tries: int
     reasons: tuple[Reason, ...]
+    impossible: bool = False
 
 
 def _run_stage(
@@ -278,10 +287,12 @@ def _run_stage(
     # More layers do not help the joint search: once a margin.
     once = (1, 1) if count <= MOST_AGENTS else (2, 2)
     if group and (stage.layers, stage.effort) == once:
-        curves = plan_jointly(planner, group, rng, stopped)
+        joint = plan_jointly(planner, group, rng, stopped)
         tries += 1
-        if curves is not None:
-            return _Attempt(curves, "joint", tries, ())
+        if joint.curves is not None:
+            return _Attempt(joint.curves, "joint", tries, ())
+        if joint.impossible:
+            return _Attempt(None, "", tries, no_way_past(planner, group), impossible=True)
     return _Attempt(None, "", tries, stuck(planner.problem, mended.curves, mended.touching))
 
 

@@ -151,17 +151,29 @@ def test_too_few_layers_are_named() -> None:
     assert {reason.kind for reason in result.diagnosis} == {"layers"}
 
 
-def test_a_swap_in_a_lane_without_a_pocket_says_who_where_and_when() -> None:
+def test_a_swap_in_a_lane_without_a_pocket_is_given_up_soon() -> None:
     lane = rectangle(0, 0, 6, 0.8)
     journeys = [((1.0, 0.4), (5.0, 0.4)), ((5.0, 0.4), (1.0, 0.4))]
-    scene = make_scene("x", lane, [], journeys, horizon=20.0)
-    scene = replace(scene, seeding=replace(scene.seeding, time_limit=1.0))
-    _, result = search(scene)
+    _, result = search(make_scene("x", lane, [], journeys, horizon=20.0))
     assert result.curves is None
     (reason,) = result.diagnosis
+    assert reason.kind == "blocked"
     assert reason.agents == (0, 1)
+    assert result.tries < 1000
+
+
+def test_a_knot_of_many_says_who_touches_where_and_when() -> None:
+    lane = rectangle(0, 0, 12, 0.8)
+    x = [1.0, 2.0, 3.0, 9.0, 10.0, 11.0]
+    journeys = [((a, 0.4), (b, 0.4)) for a, b in zip(x, x[::-1], strict=True)]
+    scene = make_scene("x", lane, [], journeys, horizon=20.0)
+    scene = replace(scene, seeding=replace(scene.seeding, time_limit=0.5))
+    _, result = search(scene)
+    assert result.curves is None
+    reason = result.diagnosis[0]
+    assert reason.kind == "touching"
     assert not reason.proven
     assert reason.place is not None
-    assert 0.0 <= reason.place[0] <= 6.0
+    assert 0.0 <= reason.place[0] <= 12.0
     assert reason.times is not None
     assert 0.0 <= reason.times[0] <= reason.times[1] <= 20.0
