@@ -8,6 +8,7 @@ and no threads: the same input gives the same bytes.
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
@@ -23,3 +24,9 @@ def kernel(function: Function) -> Function:
 def inlined(function: Function) -> Function:
     """Like `kernel`, inlined into the kernels that call it (small geometric primitives)."""
     return cast(Function, numba.njit(cache=True, error_model="numpy", inline="always")(function))
+
+
+def compiled_before(function: Callable[..., Any]) -> bool:
+    """Whether the machine code of a kernel's module is on disk already."""
+    folder = Path(cast(Any, function).stats.cache_path)
+    return any(folder.glob(f"{function.__module__.rpartition('.')[2]}.*.nbi"))

@@ -18,6 +18,7 @@ from typing import Any
 
 from stplan.certify.certificate import Certificate, certify
 from stplan.certify.metrics import metrics
+from stplan.compiled import compiled_before
 from stplan.errors import SceneError, SeedingError
 from stplan.files.json_file import json_bytes
 from stplan.files.trajectories import write_files
@@ -25,6 +26,7 @@ from stplan.optimize.continuation import Optimisation, optimise
 from stplan.optimize.ipopt import versions as ipopt_versions
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Seed, find_seed
+from stplan.smooth_distance.segments import squared_distance
 from stplan.world import FreeSpace, build_free_space, check_scene_in_world
 from stplan.world_lines import WorldLines
 
@@ -142,6 +144,8 @@ def _seeded(
 ) -> tuple[FreeSpace | None, Seed, Certificate]:
     free_space = _world(scene)
     clock.lap("world")
+    if not compiled_before(squared_distance):
+        say("compiling, once after installation: this takes about a quarter of a minute")
     found = find_seed(scene, free_space, progress=say)
     clock.lap("seed")
     certificate = certify(scene, free_space, found.world_lines)
