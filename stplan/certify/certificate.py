@@ -22,7 +22,7 @@ from stplan.world_lines import WorldLines
 
 # A waypoint counts as passed within this distance (m), a given path as followed.
 PLACE_TOLERANCE = 1e-6
-# Agents further apart than this share a report without a note on scale; see `as_dict`.
+# Columns of a row in the report.
 _COLUMNS = ("a", "b", "clearance", "time", "x", "y")
 
 

@@ -10,12 +10,11 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
-from stplan.costs.contact_term import ContactList, ContactTerm
+from stplan.costs.contact_term import ContactList, ContactTerm, sharpened
 from stplan.costs.rods import Rods
 from stplan.scene.interactions import Interactions
 from stplan.smooth_distance.clearance_barriers import (
     Coefficients,
-    choose_alpha,
     contact_barriers,
     smooth_minimum_barriers,
 )
@@ -84,7 +83,11 @@ class Collision(ContactTerm):
         points = np.hstack([self._rods.segments[pairs[:, 0]], self._rods.segments[pairs[:, 1]]])
         contacts = ContactList.grouped(points, first * self._num_agents + second)
         if self._alpha_0 is not None and len(points):
-            contacts = self._sharpen(positions, contacts, skin)
+            pair = np.divmod(contacts.keys, self._num_agents)
+            contacts = sharpened(
+                contacts, measure(positions, contacts.points).distance, skin,
+                self._interactions.distance[pair], self._alpha_0, self._alphas, pair,
+            )  # fmt: skip
         return contacts
 
     def _near(self, positions: FloatArray, reach: FloatArray) -> IntArray:
@@ -94,22 +97,6 @@ class Collision(ContactTerm):
                 positions, rods.segments, rods.agents, self._interactions.collides, reach
             )
         return all_pairs(rods.agents, self._interactions.collides)
-
-    def _sharpen(self, positions: FloatArray, contacts: ContactList, skin: float) -> ContactList:
-        """Choose alpha of new pairs; drop contacts too far to weigh anything in the minimum."""
-        distance = measure(positions, contacts.points).distance
-        first, second = np.divmod(contacts.keys, self._num_agents)
-        new = np.isnan(self._alphas[first, second])
-        if new.any():
-            chosen = choose_alpha(
-                distance, contacts.starts, self._interactions.distance[first, second],
-                self._alpha_0 or 0.0,
-            )  # fmt: skip
-            self._alphas[first[new], second[new]] = chosen[new]
-        alpha = self._alphas[first, second]
-        least = np.minimum.reduceat(distance, contacts.starts[:-1])
-        keep = distance < (least + 36.0 / alpha + 2 * skin)[contacts.members]
-        return ContactList.grouped(contacts.points[keep], contacts.keys[contacts.members[keep]])
 
     @property
     def alphas(self) -> FloatArray:

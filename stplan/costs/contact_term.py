@@ -15,7 +15,7 @@ import numpy as np
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.compiled import kernel
 from stplan.costs.term import Term
-from stplan.smooth_distance.clearance_barriers import Coefficients
+from stplan.smooth_distance.clearance_barriers import Coefficients, choose_alpha
 from stplan.smooth_distance.contacts import (
     POINT_PAIRS,
     Measured,
@@ -261,6 +261,36 @@ class ContactTerm(Term):
             part = gradient.ravel()[variables]
             values.append(coefficients.coupling[g] * part[i] * part[j])
         return values
+
+
+# exp(-36) is below the rounding of a sum of order one.
+NEGLIGIBLE = 36.0
+
+
+def sharpened(
+    contacts: ContactList,
+    distance: FloatArray,
+    skin: float,
+    radius: FloatArray,
+    alpha_0: float,
+    alphas: FloatArray,
+    keys: tuple[IntArray, ...],
+) -> ContactList:
+    """Choose alpha of groups met for the first time; drop contacts too far to weigh in a minimum.
+
+    Args:
+        distance: (C,) m, of the list's contacts.
+        radius: (G,) m.
+        alphas: sharpness by ``alphas[keys]`` (1/m), nan where not chosen yet; filled in place.
+    """
+    new = np.isnan(alphas[keys])
+    if new.any():
+        chosen = choose_alpha(distance, contacts.starts, radius, alpha_0)
+        alphas[tuple(key[new] for key in keys)] = chosen[new]
+    least = np.minimum.reduceat(distance, contacts.starts[:-1])
+    limit = least + NEGLIGIBLE / alphas[keys] + 2 * skin
+    keep = distance < limit[contacts.members]
+    return ContactList.grouped(contacts.points[keep], contacts.keys[contacts.members[keep]])
 
 
 # A block that the structure has no room for, and one that needs none (a fixed or repeated point).

@@ -10,14 +10,11 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.costs.contact_term import ContactList, ContactTerm
+from stplan.costs.contact_term import NEGLIGIBLE, ContactList, ContactTerm
 from stplan.costs.rods import Rods
 from stplan.scene.interactions import Interactions
 from stplan.smooth_distance.clearance_barriers import Coefficients
 from stplan.smooth_distance.contacts import measure
-
-# exp(-36) is below the rounding of a sum of order one.
-_NEGLIGIBLE = 36.0
 
 
 class Grouping(ContactTerm):
@@ -87,7 +84,7 @@ class Grouping(ContactTerm):
             return contacts
         distance = measure(self.positions(knots), contacts.points).distance
         least = np.minimum.reduceat(distance, contacts.starts[:-1])
-        keep = distance < least[contacts.members] + _NEGLIGIBLE / self._alpha + 2 * skin
+        keep = distance < least[contacts.members] + NEGLIGIBLE / self._alpha + 2 * skin
         return ContactList.grouped(contacts.points[keep], contacts.keys[contacts.members[keep]])
 
     def coefficients(self, distance: FloatArray, contacts: ContactList) -> Coefficients:

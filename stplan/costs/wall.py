@@ -10,11 +10,10 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.costs.contact_term import ContactList, ContactTerm
+from stplan.costs.contact_term import ContactList, ContactTerm, sharpened
 from stplan.smooth_distance.boundary_grid import BoundaryGrid, crossings
 from stplan.smooth_distance.clearance_barriers import (
     Coefficients,
-    choose_alpha,
     contact_barriers,
     smooth_minimum_barriers,
 )
@@ -127,22 +126,11 @@ class Wall(ContactTerm):
         keep = distance < (self._radii + self._reach + skin)[agent]
         contacts = ContactList.grouped(points[keep], agent[keep])
         if self._alpha_0 is not None and len(contacts.points):
-            contacts = self._sharpen(self.positions(knots), contacts, skin)
+            contacts = sharpened(
+                contacts, measure(self.positions(knots), contacts.points).distance, skin,
+                self._radii[contacts.keys], self._alpha_0, self._alphas, (contacts.keys,),
+            )  # fmt: skip
         return contacts
-
-    def _sharpen(self, positions: FloatArray, contacts: ContactList, skin: float) -> ContactList:
-        """Choose alpha of new agents; drop contacts too far to weigh anything in the minimum."""
-        distance = measure(positions, contacts.points).distance
-        new = np.isnan(self._alphas[contacts.keys])
-        if new.any():
-            chosen = choose_alpha(
-                distance, contacts.starts, self._radii[contacts.keys], self._alpha_0 or 0.0
-            )
-            self._alphas[contacts.keys[new]] = chosen[new]
-        least = np.minimum.reduceat(distance, contacts.starts[:-1])
-        limit = least + 36.0 / self._alphas[contacts.keys] + 2 * skin
-        keep = distance < limit[contacts.members]
-        return ContactList.grouped(contacts.points[keep], contacts.keys[contacts.members[keep]])
 
     @property
     def alphas(self) -> FloatArray:

@@ -6,7 +6,7 @@ and rebuilt (warm) when an interaction is felt that its sparsity structure has n
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray
 from stplan.costs.contact_term import ContactTerm
+from stplan.costs.term import Term
 from stplan.optimize.assembly import Assembly, Setting, build_limits
 from stplan.optimize.ipopt import FAILURES, IpoptResult, Iteration, Multipliers, solve
 from stplan.optimize.problem import Problem, Stopwatch
@@ -46,7 +47,6 @@ class Optimisation:
     status: str
     record: list[dict[str, Any]]
     costs: dict[str, float]
-    regularity: FloatArray
     watch: Stopwatch = field(default_factory=Stopwatch)
     iterations: int = 0
     nonzeros: int = 0
@@ -59,13 +59,11 @@ class _Stop:
         self,
         scene: Scene,
         problem: Problem,
-        energy: float,
         floor: float,
         interrupted: Callable[[], bool],
     ) -> None:
         self._solver = scene.solver
         self._problem = problem
-        self._energy = energy
         self._floor = floor
         self._interrupted = interrupted
         # The paper's centimetre suits people; a maze of vacuum cleaners needs a share of their size.
@@ -156,9 +154,9 @@ class _Loop:
         self._status = "converged"
         self._iterations = 0
         self._nonzeros = 0
+        self._terms: Sequence[Term] = ()
         # What the regularity term costs at its best: no part of the objective worth converging.
         self._floor = float((setting.scales.regularity * setting.layout.num_segments).sum())
-        self._ipopt_mu: float | None = None
 
     def run(self) -> None:
         """All outer iterations, or until one is interrupted or fails."""
@@ -182,10 +180,7 @@ class _Loop:
             self._nonzeros = max(self._nonzeros, len(problem.hessian_rows))
             if before is None:
                 before = problem.value(self._knots.ravel())
-            stop = _Stop(
-                self._setting.scene, problem, self._setting.scales.energy, self._floor,
-                self._interrupted,
-            )  # fmt: skip
+            stop = _Stop(self._setting.scene, problem, self._floor, self._interrupted)
             outcome = self._solve(problem, left, stop, multipliers, ipopt_mu)
             self._knots = outcome.knots
             used += outcome.iterations
@@ -197,6 +192,7 @@ class _Loop:
             rebuilds += 1
         self._iterations += used
         after = problem.value(self._knots.ravel())
+        self._terms = problem.terms
         self._status = self._judge(outcome, stop.why, before, after)
         least = min(
             (t.least_clearance(self._knots) for t in problem.terms if isinstance(t, ContactTerm)),
@@ -245,20 +241,18 @@ class _Loop:
             return "interrupted"
         if why == "converged" or outcome.status in (0, 1):
             return "converged"
-        if outcome.status in FAILURES and after > before - 1e-9 * abs(before) and before == after:
+        if outcome.status in FAILURES and before == after:
             return "failed"
         return "limit"
 
     def result(self, seed: WorldLines) -> Optimisation:
-        """What was reached, with the cost of every term."""
-        problem = self._assembly.problem(self._knots, self._setting.scales.mu, Stopwatch())
-        costs = {term.name: term.value(self._knots) for term in problem.terms}
+        """What was reached, with the cost of every term at the last mu."""
+        costs = {term.name: term.value(self._knots) for term in self._terms}
         return Optimisation(
             world_lines=seed.with_knots(self._knots),
             status=self._status,
             record=self._record,
             costs=costs,
-            regularity=self._setting.scales.regularity,
             watch=self._watch,
             iterations=self._iterations,
             nonzeros=self._nonzeros,

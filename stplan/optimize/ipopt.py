@@ -54,18 +54,6 @@ class IpoptResult:
 
 # Ipopt's statuses that mean "no progress possible", against those that mean "done" or "stopped".
 FAILURES = frozenset({-1, -2, -3, -4, -5, -10, -11, -12, -13, -100, -101, -102, -199, 2, 3, 4})
-LINEAR_SOLVERS = (
-    "mumps",
-    "ma27",
-    "ma57",
-    "ma77",
-    "ma86",
-    "ma97",
-    "pardiso",
-    "pardisomkl",
-    "spral",
-    "wsmp",
-)
 
 _DEFAULTS: dict[str, Any] = {
     "print_level": 0,

@@ -67,9 +67,17 @@ def test_scene_says_what_it_shows(name: str) -> None:
     assert len(first) > 20
 
 
-@pytest.mark.parametrize(
-    "name", ["circle/circle-8.yaml", "bottleneck/bottleneck.yaml", "roomba/roomba.yaml"]
-)
+@pytest.mark.parametrize("name", SHIPPED)
+def test_time_is_split_into_evaluation_and_the_rest(name: str) -> None:
+    times = planned(name).run["optimisation"]
+    split = times["seconds"]
+    assert times["seconds_per_iteration"] > 0
+    assert split["evaluation"] > 0
+    assert split["evaluation"] == pytest.approx(split["objective_and_gradient"] + split["hessian"])
+    assert split["linear_solve_and_rest"] > 0
+
+
+@pytest.mark.parametrize("name", SHIPPED)
 def test_running_twice_gives_the_same_bytes(name: str) -> None:
     first, second = planned(name), plan(load_scene(SCENES / name))
     assert first.trajectories is not None
