@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from distributed import Client, Future
 
 LOCAL = "local"
+# How long a scheduler may take to answer.
+PATIENCE = "10s"
 # Seconds after which a request to stop, or the loss of the scheduler, is noticed at the latest.
 _TICK = 0.5
 # MUMPS, the linear solver, keeps state of its own: one run at a time in a process.
@@ -133,7 +135,7 @@ def _client(address: str, jobs: int) -> Iterator[Client]:
             yield client
         return
     try:
-        client = Client(address, timeout="10s")
+        client = Client(address, timeout=PATIENCE)
     except (OSError, ValueError) as error:
         raise UsageError(f"--dask {address}: no Dask scheduler answers there") from error
     with client:
