@@ -51,11 +51,6 @@ def test_acceleration_from_rest_to_rest(curve, greatest, when) -> None:
     assert sentence.startswith("a: acceleration ")
 
 
-def test_turning_at_constant_speed_is_acceleration() -> None:
-    found = check("max_acceleration: 9", [[0, 0, 0], [4, 3, 5], [8, 0, 10]])
-    assert found.limits[0].reached == pytest.approx(1.2 / 5)
-
-
 STAY = [[0, 0, 0], [4, 0, 3], [4, 0, 6], [8, 0, 10]]
 
 
