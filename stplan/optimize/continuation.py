@@ -181,7 +181,12 @@ class _Loop:
         solver = self._setting.scene.solver
         mu = self._setting.scales.mu
         for outer in range(solver.outer_iterations):
+            before = self._status
             self._outer_iteration(outer, mu)
+            if self._status == "failed" and outer > 0:
+                # Too near its limits to move at all: what the last mu left is the result.
+                self._status = before
+                return
             if self._status in ("interrupted", "failed"):
                 return
             mu *= solver.mu_decay
