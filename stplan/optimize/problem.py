@@ -1,8 +1,10 @@
 """The nonlinear program: terms are summed, their Hessians scattered into one structure.
 
 Variables are the flat knots, x[3 i + axis]. Start, goal, waypoints and given paths are fixed by equal
-bounds, T^max is a bound, and t_{i+1} - t_i >= gap are linear constraints with a constant Jacobian, as are
-t_i = t_j of the knots at which a pair meets.
+bounds and T^max is a bound. That time runs on is part of the objective's domain: the regularity cost rises
+without bound as a duration goes to zero. Where no such cost stands guard (a weight of 0, a dwell) a least
+t_{i+1} - t_i is a linear constraint with a constant Jacobian, as is t_i = t_j of the knots at which a pair
+meets. Constraints for all segments would double the size of the linear systems.
 """
 
 from __future__ import annotations
@@ -30,12 +32,14 @@ class Limits:
     Attributes:
         lower, upper: (M, 3) bounds of the knots, equal where a variable is fixed.
         least_duration: (S,) smallest t_{i+1} - t_i of every segment, s.
+        guarded: (G,) segments whose least duration takes a constraint of its own.
         links: (L, 2) knots of one time.
     """
 
     lower: FloatArray
     upper: FloatArray
     least_duration: FloatArray
+    guarded: IntArray
     links: IntArray = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
 
 
@@ -150,7 +154,11 @@ class Problem:
     def _admissible(self, knots: FloatArray) -> bool:
         """Finite, with time running on: asked before any term may divide by a duration."""
         start = self.layout.segment
-        return bool(np.isfinite(knots).all() and (knots[start + 1, 2] > knots[start, 2]).all())
+        duration = knots[start + 1, 2] - knots[start, 2]
+        # Half of it: a constraint of Ipopt holds to a tolerance.
+        return bool(
+            np.isfinite(knots).all() and (duration > 0.5 * self.limits.least_duration).all()
+        )
 
     def hessian(self, x: FloatArray) -> FloatArray:
         """Lower triangle in the order of `hessian_rows`, `hessian_columns`."""
@@ -168,7 +176,7 @@ class Problem:
         return summed
 
     def durations(self, x: FloatArray) -> FloatArray:
-        """(S + L,) t_{i+1} - t_i of every segment, then t_j - t_i of every link, s."""
+        """(G + L,) t_{i+1} - t_i of guarded segments, then t_j - t_i of every link, s."""
         head, tail = self._constrained()
         knots = x.reshape(-1, 3)
         return knots[tail, 2] - knots[head, 2]
@@ -181,14 +189,14 @@ class Problem:
         return rows, columns, np.tile([-1.0, 1.0], len(head))
 
     def durations_bounds(self) -> tuple[FloatArray, FloatArray]:
-        """(S + L,) least and greatest of `durations`, s."""
+        """(G + L,) least and greatest of `durations`, s."""
         zeros = np.zeros(len(self.limits.links))
-        least = self.limits.least_duration
+        least = self.limits.least_duration[self.limits.guarded]
         return np.concatenate([least, zeros]), np.concatenate([np.full(len(least), 2e19), zeros])
 
     def _constrained(self) -> tuple[IntArray, IntArray]:
         """Knots whose times are compared."""
-        start, links = self.layout.segment, self.limits.links
+        start, links = self.layout.segment[self.limits.guarded], self.limits.links
         return np.concatenate([start, links[:, 0]]), np.concatenate([start + 1, links[:, 1]])
 
     def is_stale(self) -> bool:
