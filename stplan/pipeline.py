@@ -150,7 +150,10 @@ def _seeded(
         say("compiling, once after installation: this takes about a quarter of a minute")
     found = best_seed(scene, free_space, progress=say)
     with _interruptible() as interrupted:
-        lines = settle(scene, free_space, found.world_lines, progress=say, interrupted=interrupted)
+        lines = settle(
+            scene, free_space, found.world_lines, found.meetings,
+            progress=say, interrupted=interrupted,
+        )  # fmt: skip
     found = replace(found, world_lines=lines)
     clock.lap("seed")
     certificate = certify(scene, free_space, lines)
