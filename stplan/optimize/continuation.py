@@ -45,6 +45,8 @@ class _Patience:
 ON_THE_WAY = _Patience(window=2, share=1e-1)
 AT_THE_END = _Patience(window=4, share=1e-2)
 
+Observer = Callable[[FloatArray, Sequence[Term]], None]
+
 
 @dataclass
 class Optimisation:
@@ -116,16 +118,18 @@ def optimise(
     *,
     progress: Callable[[str], None],
     interrupted: Callable[[], bool],
+    observe: Observer | None = None,
 ) -> Optimisation:
     """Make `seed` smooth and cheap by the paper's outer loop.
 
     Args:
         progress: called with one line an outer iteration.
         interrupted: asked after every iteration; True ends with the best feasible curves.
+        observe: called with the knots (M, 3) and the terms of the objective after every iteration.
     """
     layout = KnotLayout.from_offsets(seed.offsets)
     setting = build_setting(scene, free_space, layout, seed.knots)
-    loop = _Loop(setting, seed.knots, progress, interrupted)
+    loop = _Loop(setting, seed.knots, progress, interrupted, observe)
     loop.run()
     return loop.result(seed)
 
@@ -176,12 +180,14 @@ class _Loop:
         knots: FloatArray,
         progress: Callable[[str], None],
         interrupted: Callable[[], bool],
+        observe: Observer | None,
     ) -> None:
         self._setting = setting
         self._assembly = Assembly(setting)
         self._knots = knots
         self._progress = progress
         self._interrupted = interrupted
+        self._observe = observe
         self._watch = Stopwatch()
         self._record: list[dict[str, Any]] = []
         self._status = "converged"
@@ -263,6 +269,12 @@ class _Loop:
         ipopt_mu: float | None,
     ) -> IpoptResult:
         solver = self._setting.scene.solver
+
+        def observed(iteration: Iteration) -> bool:
+            if self._observe is not None:
+                self._observe(iteration.knots, problem.terms)
+            return stop(iteration)
+
         return solve(
             problem,
             self._knots,
@@ -271,7 +283,7 @@ class _Loop:
             objective_scale=1.0 / self._setting.scales.energy,
             limited_memory=solver.hessian == "limited-memory",
             options=solver.ipopt,
-            stop=stop,
+            stop=observed,
             multipliers=multipliers,
             ipopt_mu=ipopt_mu,
         )
