@@ -21,6 +21,8 @@ from stplan.smooth_distance.clearance_barriers import (
 from stplan.smooth_distance.contacts import measure
 from stplan.smooth_distance.rod_neighbours import near_segments
 
+# Lists reach this much further than the structure: they cost less than what renewing them saves.
+LIST_SKIN = 1.5
 # Past this share of moved knots the list is made anew, which costs less than to mend it.
 MANY = 0.3
 
@@ -69,7 +71,7 @@ class Collision(ContactTerm):
         super().__init__(
             num_knots=len(knots),
             axis_scale=np.array([1.0, 1.0, rods.time_scale]),
-            skin=chosen,
+            skin=LIST_SKIN * chosen,
             structure_skin=chosen,
             exact_coupling=exact and alpha_0 is not None,
         )
