@@ -9,8 +9,9 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from types import FrameType
@@ -27,9 +28,11 @@ from stplan.files.seal import KEY, RUN_RECORD, seal
 from stplan.files.trajectories import curve_files
 from stplan.optimize.continuation import Optimisation, optimise
 from stplan.optimize.ipopt import versions as ipopt_versions
+from stplan.optimize.settle import settle
 from stplan.scene.model import Scene
-from stplan.seeding.portfolio import Seed, find_seed
+from stplan.seeding.portfolio import Seed
 from stplan.smooth_distance.segments import squared_distance
+from stplan.starts import best_seed
 from stplan.world import FreeSpace, build_free_space, check_scene_in_world
 from stplan.world_lines import WorldLines
 
@@ -168,9 +171,15 @@ def _seeded(
     clock.lap("world")
     if not compiled_before(squared_distance):
         say("compiling, once after installation: this takes about a quarter of a minute")
-    found = find_seed(scene, free_space, progress=say)
+    found = best_seed(scene, free_space, progress=say)
+    with _interruptible() as interrupted:
+        lines = settle(
+            scene, free_space, found.world_lines, found.meetings,
+            progress=say, interrupted=interrupted,
+        )  # fmt: skip
+    found = replace(found, world_lines=lines)
     clock.lap("seed")
-    certificate = certify(scene, free_space, found.world_lines)
+    certificate = certify(scene, free_space, lines)
     clock.lap("certify")
     if not certificate.holds:
         raise SeedingError(
@@ -209,6 +218,7 @@ def _report(
     }
 
 
+@cache
 def versions() -> dict[str, str]:
     """Versions of this program and of what its results depend on."""
     names = ("stplan", "numpy", "scipy", "numba", "shapely", "trimesh")

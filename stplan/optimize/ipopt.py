@@ -140,11 +140,11 @@ class _Callbacks:
             x = np.array(current["x"])
             if np.isfinite(self._problem.value(x)):
                 self.accepted = x
-                self._problem.accept(x)
+                self._problem.accept(x, alpha_pr if iter_count else 1.0)
         self.iterations = iter_count
         self.ipopt_mu = mu
         knots = self.accepted.reshape(-1, 3)
-        damped = regularization_size > 0
+        damped = regularization_size > 0 or self._problem.damping > 0
         return not self._stop(Iteration(iter_count, obj_value, inf_du, d_norm, mu, damped, knots))
 
 
@@ -174,15 +174,15 @@ def solve(
     problem.accept(start)
     callbacks = _Callbacks(problem, stop, start)
     limits = problem.limits
-    count = len(limits.least_duration)
+    least, greatest = problem.durations_bounds()
     handle = cyipopt.Problem(
         n=problem.num_variables,
-        m=count,
+        m=len(least),
         problem_obj=callbacks,
         lb=limits.lower.ravel(),
         ub=limits.upper.ravel(),
-        cl=limits.least_duration,
-        cu=np.full(count, 2e19),
+        cl=least,
+        cu=greatest,
     )
     callbacks.handle = handle
     chosen = dict(_DEFAULTS, linear_solver=linear_solver, max_iter=max_iterations)
