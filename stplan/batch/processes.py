@@ -113,13 +113,13 @@ class _Pool:
         ours, theirs = context.Pipe()
         process = context.Process(target=_serve, args=(theirs, self._timeout), daemon=True)
         # A Ctrl-C waits until the newborn can ignore it.
-        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
             process.start()
         except OSError as error:
             raise UsageError(f"cannot start a worker process: {error.strerror or error}") from error
         finally:
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
             theirs.close()
         worker = _Worker(process, ours)
         self._workers.append(worker)

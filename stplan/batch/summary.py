@@ -49,7 +49,7 @@ def _entry(result: Result) -> dict[str, Any]:
         "state": result.state,
         "exit_status": result.exit_status,
         "status": report.get("status"),
-        "certified": certificate.get("holds", False),
+        "certificate_holds": certificate.get("holds", False),
         "smallest_clearance": result.clearance,
         "latest_arrival": metrics.get("latest_arrival"),
         "kinetic_over_straight": metrics.get("kinetic_over_straight"),
@@ -74,7 +74,7 @@ def _csv_bytes(results: Sequence[Result]) -> bytes:
     entries = [_entry(result) for result in results]
     costs = list(dict.fromkeys(name for entry in entries for name in entry["costs"]))
     plain = (
-        "run", "scene", "state", "exit_status", "status", "certified", "smallest_clearance",
+        "run", "scene", "state", "exit_status", "status", "certificate_holds", "smallest_clearance",
         "latest_arrival", "kinetic_over_straight", "iterations", "hash",
     )  # fmt: skip
     seconds = (*_PHASES, "total")

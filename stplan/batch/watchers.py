@@ -16,6 +16,8 @@ from stplan.batch.result import Result
 
 # Rows of runs that are over.
 _LAST = 8
+# Rows of runs at work; a cluster is given all at once.
+_MOST_AT_WORK = 16
 
 
 class LineWatcher:
@@ -91,7 +93,7 @@ class TableWatcher:
             # As Text: the names and messages are not meant to be read as rich's markup.
             table.add_row(Text(result.run.name), spent, Text(state, style))
         # A copy: the table is drawn by another thread.
-        for run, (since, line) in list(self._at_work.items()):
+        for run, (since, line) in list(self._at_work.items())[:_MOST_AT_WORK]:
             table.add_row(Text(run), f"{time.monotonic() - since:.1f}", Text(line or "..."))
         over = sum(self._states.values())
         counts = ", ".join(f"{number} {state}" for state, number in self._states.items())

@@ -63,7 +63,7 @@ def stplan(*arguments: object, cwd: Path, **environment: str) -> Ended:
     done = subprocess.run(
         [*COMMAND, *map(str, arguments)],
         cwd=cwd, env=os.environ | environment, capture_output=True, text=True, check=False,
-        timeout=300,
+        timeout=3000,
     )  # fmt: skip
     return Ended(done.returncode, done.stdout, done.stderr)
 

@@ -26,7 +26,7 @@ def test_all_runs_are_planned_and_summed_up(golden):
     assert [row["run"] for row in rows] == ALL
     for row in rows:
         assert row["state"] == "certified"
-        assert row["certified"] == "true"
+        assert row["certificate_holds"] == "true"
         assert float(row["smallest_clearance"]) > 0
         assert float(row["cost_kinetic"]) > 0
         assert float(row["seconds_total"]) > 0

@@ -60,7 +60,7 @@ def wait_for(process: subprocess.Popen[str], words: str) -> None:
 
 
 def ended(process: subprocess.Popen[str]) -> Ended:
-    out, err = process.communicate(timeout=300)
+    out, err = process.communicate(timeout=3000)
     return Ended(process.returncode, out, err)
 
 

@@ -30,7 +30,7 @@ def test_both_batches_are_measured_in_one_run(tmp_path, capsys):
 def test_the_overhead_is_what_lies_between_the_runs(tmp_path):
     runs = []
     for number, (start, total) in enumerate([(10.0, 5.0), (15.5, 1.0), (16.75, 2.0)]):
-        runs.append({"run": str(number), "certified": True})
+        runs.append({"run": str(number), "exit_status": 0})
         (tmp_path / str(number)).mkdir()
         started = f"2026-01-01T00:00:{start:09.6f}+00:00"
         (tmp_path / str(number) / "run.json").write_text(
