@@ -10,7 +10,7 @@ There is no search and there are no priorities. Single-lane deadlocks are beyond
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,11 +81,13 @@ def relax(
     time_limit: float = 60.0,
     rng_seed: int = 0,
     max_sweeps: int = 2000,
+    check: Callable[[], None] = lambda: None,
 ) -> RelaxationResult:
     """Push rods apart until they are clear, or until the sweeps or the time (s) are used up.
 
     `initial` curves (n, 3) must not cross walls and have to pass the waypoints; without them the
-    strings start straight. The result depends on time only when `time_limit` strikes.
+    strings start straight. The result depends on time only when `time_limit` strikes. `check` is called
+    every sweep; what it raises ends the work.
     """
     deadline = time.perf_counter() + time_limit
     rng = np.random.default_rng(rng_seed)
@@ -94,6 +96,7 @@ def relax(
     sweeps = 0
     stuck: list[tuple[int, int]] = []
     while sweeps < max_sweeps:
+        check()
         relaxation.sweep()
         sweeps += 1
         if sweeps % CHECK_EVERY == 0:
