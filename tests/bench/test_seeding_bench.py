@@ -115,7 +115,7 @@ def test_failures_count_in_the_times_but_not_in_the_ratio():
     assert [cell.strip() for cell in cells] == [
         "door 3 a side", "2", "50", "4.000", "6.000", "1.500", "1.250", "relaxation 1",
     ]  # fmt: skip
-    assert csv_text([failed]).splitlines()[1] == "door 3 a side,1,6,0,6,,,"
+    assert csv_text([failed]).splitlines()[1] == "door 3 a side,1,6,0,6,1.5,,,"
 
 
 def test_the_growth_is_fitted_to_the_open_field():
