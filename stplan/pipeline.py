@@ -24,6 +24,7 @@ from stplan.files.json_file import json_bytes
 from stplan.files.trajectories import write_files
 from stplan.optimize.continuation import Optimisation, optimise
 from stplan.optimize.ipopt import versions as ipopt_versions
+from stplan.optimize.linear_solvers import chosen_linear_solver
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Seed, find_seed
 from stplan.smooth_distance.segments import squared_distance
@@ -79,10 +80,12 @@ def plan(scene: Scene, *, progress: Progress | None = None) -> Plan:
     Raises:
         SceneError: the scene does not fit its map.
         SeedingError: no collision-free initial curves were found.
+        SolverError: Ipopt lacks the linear solver or an option asked for.
         KeyboardInterrupt: interrupted before there were any.
     """
     say = progress or (lambda line: None)
     clock = _Clock()
+    linear_solver = chosen_linear_solver(scene)
     free_space, seed, seed_certificate = _seeded(scene, say, clock)
     with _interruptible() as interrupted:
         outcome = optimise(
@@ -95,6 +98,7 @@ def plan(scene: Scene, *, progress: Progress | None = None) -> Plan:
     if not certificate.holds:
         lines, certificate, status = seed.world_lines, seed_certificate, "broken"
     report = _report(scene, seed, seed_certificate, certificate, lines, status)
+    report["linear_solver"] = linear_solver
     report["costs"] = outcome.costs
     report["outer_iterations"] = outcome.record
     run = _run(clock) | {"optimisation": _optimisation_times(outcome, clock)}
