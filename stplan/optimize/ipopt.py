@@ -206,11 +206,13 @@ def solve(
         }
     )
     solution, info = handle.solve(start, **warm)
+    # Without this cycle the memory of Ipopt is given back at once.
+    callbacks.handle = None
     status = int(info["status"])
     if status == -12 or (status == -199 and callbacks.iterations == 0):
         raise SolverError(
-            f"Ipopt cannot use linear_solver '{linear_solver}' or one of the options in solver.ipopt; "
-            "the bundled Ipopt carries mumps"
+            f"Ipopt does not start with linear solver {linear_solver} and the options "
+            f"{dict(options)} of solver.ipopt"
         )
     solution = np.asarray(solution)
     if not np.isfinite(solution).all() or not np.isfinite(problem.value(solution)):
