@@ -25,6 +25,7 @@ from stplan.seeding.polish import prepare_seed
 from stplan.seeding.relaxation import relax
 from stplan.seeding.rods import RodProblem, verify, wall_clearance
 from stplan.seeding.search import search_curves
+from stplan.seeding.time_bounds import out_of_time
 from stplan.world import FreeSpace, build_seeding_mesh, disconnected_agents
 from stplan.world_lines import WorldLines
 
@@ -73,6 +74,7 @@ def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress)
     problem, meetings = with_meeting_places(problem, scene, free_space)
     attempts = _Attempts()
     _refuse_hopeless(scene, problem, free_space)
+    _refuse_out_of_time(scene, free_space)
     for part in _parts(scene, problem):
         if part == "relaxation":
             _relax(scene, problem, free_space, attempts, progress)
@@ -103,6 +105,13 @@ def _refuse_hopeless(scene: Scene, problem: RodProblem, free_space: FreeSpace | 
     sentences = sentences or [reason.sentence for reason in hopeless(problem, free_space)]
     if sentences:
         raise SeedingError("no collision-free curves exist: " + "\n  ".join(sentences))
+
+
+def _refuse_out_of_time(scene: Scene, free_space: FreeSpace | None) -> None:
+    """Raise where it is proven that limits of motion leave someone too little time."""
+    sentences = out_of_time(scene, free_space)
+    if sentences:
+        raise SeedingError("no curves keep the limits of the scene: " + "\n  ".join(sentences))
 
 
 def _parts(scene: Scene, problem: RodProblem) -> list[str]:
