@@ -90,7 +90,7 @@ class _Callbacks:
     ) -> None:
         self._problem = problem
         self._stop = stop
-        self._rows, self._columns, self._slopes = problem.durations_jacobian()
+        self._rows, self._columns, self._slopes = problem.constraints_jacobian()
         self.accepted = start.copy()
         self.iterations = 0
         self.ipopt_mu = float(_DEFAULTS["mu_init"])
@@ -107,7 +107,7 @@ class _Callbacks:
         return self._problem.gradient(x)
 
     def constraints(self, x: FloatArray) -> FloatArray:
-        return self._problem.durations(x)
+        return self._problem.constraints(x)
 
     def jacobian(self, x: FloatArray) -> FloatArray:
         return self._slopes
@@ -174,7 +174,7 @@ def solve(
     problem.accept(start)
     callbacks = _Callbacks(problem, stop, start)
     limits = problem.limits
-    least, greatest = problem.durations_bounds()
+    least, greatest = problem.constraint_bounds()
     handle = cyipopt.Problem(
         n=problem.num_variables,
         m=len(least),
