@@ -167,7 +167,12 @@ def test_interrupted_in_any_phase_solve_leaves_whole_files_or_none(place, run, m
 
     monkeypatch.setattr(where, phase, entered)
     monkeypatch.chdir(place)
-    result = run("solve", "scenes/room.yaml", "-o", "results")
+    # Shells have what they run in the background ignore Ctrl-C, these tests perhaps.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        result = run("solve", "scenes/room.yaml", "-o", "results")
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert result.status == 130
     folder = place / "results/room"
     if phase in ("optimise", "plan_files", "replace"):
