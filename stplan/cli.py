@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 
 from stplan.commands import (
+    bench_figures,
     bench_seeding,
     check_trajectories,
     compare,
@@ -282,6 +283,36 @@ def bench_seeding_command(
         lambda console: bench_seeding(
             console, output, draws, families.split(","), time_limit, full=full
         ),
+    )  # fmt: skip
+
+
+@benchmarks.command("figures")
+def bench_figures_command(
+    *,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Results go to DIR.")
+    ] = Path("outputs/bench"),
+    only: Annotated[
+        str, typer.Option(metavar="A,B", help="Only these figures or kinds of them.")
+    ] = "",
+    full: Annotated[bool, typer.Option("--full", help="Large and slow ones too.")] = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Measure the figures the planner is held to.
+
+    Writes figures.csv and figures.md: time, cost, clearance and memory of planning generated
+    scenes, beside what is asked of them.
+
+    \b
+    Examples:
+      stplan bench figures
+      stplan bench figures --only circle-35,flows
+      stplan bench figures --full -o outputs/bench
+    """
+    _serve(
+        quiet, verbose, False,
+        lambda console: bench_figures(console, output, only.split(","), full=full),
     )  # fmt: skip
 
 

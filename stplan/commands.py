@@ -223,3 +223,19 @@ def bench_seeding(
     console.progress(f"wrote {' and '.join(map(str, files))}")
     console.result(markdown_text(measurements).rstrip())
     return 0
+
+
+def bench_figures(console: Console, output: Path, only: Sequence[str], *, full: bool) -> int:
+    """Measure the figures the planner is held to."""
+    from stplan.bench import figures
+    from stplan.bench.figures_table import csv_text, markdown_text
+    from stplan.files.atomic import write_set
+
+    chosen = figures.chosen_cases(only, full=full)
+    measured = figures.measure(chosen, progress=console.progress)
+    text = markdown_text(chosen, measured)
+    contents = {"figures.csv": csv_text(measured).encode(), "figures.md": text.encode()}
+    files = write_set(output, contents)
+    console.progress(f"wrote {' and '.join(map(str, files))}")
+    console.result(text.rstrip())
+    return 0

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from stplan.bench.markdown import table
 from stplan.bench.seeding import Measurement, growth_exponent
 from stplan.files.atomic import write_set
 
@@ -45,25 +46,11 @@ def _plain(value: object) -> str:
 
 def markdown_text(measurements: Sequence[Measurement]) -> str:
     """One row a family, padded to be read as it stands, and the growth with agents."""
-    rows = [_HEAD, *_rows(measurements)]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(_HEAD))]
-
-    def line(cells: Sequence[str]) -> str:
-        padded = [
-            cell.rjust(width) if 0 < column < len(_HEAD) - 1 else cell.ljust(width)
-            for column, (cell, width) in enumerate(zip(cells, widths, strict=True))
-        ]
-        return f"| {' | '.join(padded)} |"
-
-    rule = [
-        "-" * (width - 1) + ":" if 0 < column < len(_HEAD) - 1 else "-" * width
-        for column, width in enumerate(widths)
-    ]
-    lines = [line(_HEAD), f"| {' | '.join(rule)} |", *(line(row) for row in rows[1:])]
+    text = table(_HEAD, _rows(measurements), {0, len(_HEAD) - 1})
     exponent = growth_exponent(measurements)
     if exponent is not None:
-        lines += ["", f"Time on the open field grows with agents^{exponent:.2f} (fitted)."]
-    return "\n".join(lines) + "\n"
+        text += f"\nTime on the open field grows with agents^{exponent:.2f} (fitted).\n"
+    return text
 
 
 def _rows(measurements: Sequence[Measurement]) -> list[tuple[str, ...]]:
