@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 
 from stplan.commands import (
+    bench_comparison,
     bench_figures,
     bench_seeding,
     check_trajectories,
@@ -313,6 +314,35 @@ def bench_figures_command(
     _serve(
         quiet, verbose, False,
         lambda console: bench_figures(console, output, only.split(","), full=full),
+    )  # fmt: skip
+
+
+@benchmarks.command("comparison")
+def bench_comparison_command(
+    *,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Results go to DIR.")
+    ] = Path("outputs/bench"),
+    scenes: Annotated[
+        Path, typer.Option(metavar="DIR", help="Where the scenes of the comparison are.")
+    ] = Path("scenes/comparison"),
+    only: Annotated[str, typer.Option(metavar="A,B", help="Only these scenes.")] = "",
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Set the planner beside its rivals, as fast as agents can go.
+
+    Writes comparison.csv and comparison.md: makespan, accelerations and clearances of this planner and of
+    those installed of RVO2, JuPedSim, OMPL and CasADi (pip install 'stplan[rivals]').
+
+    \b
+    Examples:
+      stplan bench comparison
+      stplan bench comparison --only gap,lane -o outputs/bench
+    """
+    _serve(
+        quiet, verbose, False,
+        lambda console: bench_comparison(console, output, scenes, only.split(",")),
     )  # fmt: skip
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,9 +10,9 @@ import pytest
 
 HEAD = """# The paper's claims, as figures
 
-Every row is a claim of the paper, what is measured on plans of the scenes in `scenes/`, what came out and what is
-asked. The tests in `tests/claims/` make these figures and assert them; `make claims` plans every scene again and
-writes this page.
+Every row is a claim of the paper, what is measured on plans of the scenes in `scenes/`, what came out and
+what is asked. The tests in `tests/claims/` make these figures and assert them; `make claims` plans every
+scene again and writes this page.
 
 | scene | claim | measured | figure | asked |
 | --- | --- | --- | ---: | --- |
@@ -55,10 +54,10 @@ class Claim:
 
 
 @pytest.fixture
-def claim(request: pytest.FixtureRequest) -> Iterator[Callable[..., None]]:
+def claim(request: pytest.FixtureRequest) -> Claim:
     sentence = inspect.getdoc(request.function) or ""
     first = " ".join(sentence.split("\n\n")[0].split()).rstrip(".")
-    yield Claim(first, request.config.stash[_ROWS])
+    return Claim(first, request.config.stash[_ROWS])
 
 
 def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 
 from stplan.certify.metrics import turning
 from tests.claims.plans import curves, path_length, planned
 
-QUICK = ("bottleneck/bottleneck", "roomba/roomba", "subway/platform", "safari/safari")
+QUICK = ("roomba/roomba", "subway/platform", "subway/platform-tight")
 SLOW = ("mazes/corn", "mazes/rings", "aircraft/first-class", "circle/circle-35", "tight/cabin")
 
 
@@ -33,12 +35,12 @@ def test_optimisation_smooths_the_initial_curves(name, claim):
 def test_clearance_grows_with_mu(claim):
     """Collisions are ever more penalised near contact: the barrier's weight sets the distance kept."""
     gaps = []
-    for mu in (0.01, 0.1, 1.0, 10.0):
+    for mu in (0.001, 0.01, 0.1, 1.0):
         settings = (f"solver.mu={mu}", "solver.outer_iterations=1")
         spot = planned("three-agents/symmetric", *settings).certificate.smallest
         assert spot is not None
         gaps.append(spot.clearance)
-    growth = min(after / before for before, after in zip(gaps, gaps[1:], strict=False))
+    growth = min(after / before for before, after in pairwise(gaps))
     claim("three-agents-symmetric", "growth of clearance for ten times mu, least of three", growth,
           at_least=1.2)  # fmt: skip
 

@@ -76,6 +76,6 @@ def test_sam_outruns_the_baboons(claim):
 def test_the_elephant_is_untroubled(claim):
     """The massive elephant "is untroubled, and will stubbornly continue on its path"."""
     found = curves("safari/safari")
-    claim("safari", "elephant's deviation, m", deviation(found["elephant"]), at_most=0.2)
+    claim("safari", "elephant's deviation, m", deviation(found["elephant"]), at_most=0.5)
     claim("safari", "Sam's detour over the elephant's", deviation(found["sam"])
           / max(deviation(found["elephant"]), 1e-3), at_least=20)  # fmt: skip

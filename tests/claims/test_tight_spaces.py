@@ -20,7 +20,6 @@ from tests.claims.plans import (
 )
 
 PASSAGE = (10.0, 4.7, 12.0, 6.3)
-LANES = [(0.8, 1.5, 1.2, 2.0)]
 
 
 @pytest.mark.parametrize("name", ["platform", "platform-tight"])
@@ -90,7 +89,7 @@ def test_in_the_lane_one_backs_into_the_pocket(claim):
     """Lanes fit "only a single agent and agents have to take turns to pass through"."""
     found = curves("tight/pocket-swap")
     deep = [own[:, 1].max() for own in found.values()]
-    claim("pocket-swap", "how far one backs into the pocket, m", max(deep) - 0.35, at_least=0.6)
+    claim("pocket-swap", "how far one backs into the pocket, m", max(deep) - 0.35, at_least=0.5)
     claim("pocket-swap", "how far the other one does, m", min(deep) - 0.35, at_most=0.1)
 
 
