@@ -82,6 +82,11 @@ class Limit(Term):
         """(N,) |w| over its limit."""
         return np.hypot(*self._vectors(knots).value.T) / self._limits
 
+    @property
+    def barred(self) -> bool:
+        """Whether the limits are kept by a barrier, not aimed at by a penalty."""
+        return isinstance(self._profile, Barrier)
+
     def least_slack(self, knots: FloatArray) -> float:
         """The least 1 - f, inf where nothing is limited."""
         return float((1.0 - self.shares(knots) ** 2).min(initial=np.inf))

@@ -15,6 +15,7 @@ import numpy as np
 from stplan.arrays import FloatArray
 from stplan.costs.contact_term import ContactTerm
 from stplan.costs.term import Term
+from stplan.optimize.appointments import find_appointments
 from stplan.optimize.assembly import Assembly, Setting, build_limits
 from stplan.optimize.ipopt import FAILURES, IpoptResult, Iteration, Multipliers, solve
 from stplan.optimize.problem import Problem, Stopwatch
@@ -109,20 +110,37 @@ def optimise(
         interrupted: asked after every iteration; True ends with the best feasible curves.
     """
     layout = KnotLayout.from_offsets(seed.offsets)
+    setting = build_setting(scene, free_space, layout, seed.knots)
+    loop = _Loop(setting, seed.knots, progress, interrupted)
+    loop.run()
+    return loop.result(seed)
+
+
+def build_setting(
+    scene: Scene,
+    free_space: FreeSpace | None,
+    layout: KnotLayout,
+    knots: FloatArray,
+    *,
+    timed: bool = True,
+) -> Setting:
+    """What stays the same while `scene` is optimised from seed `knots` (M, 3).
+
+    Unless `timed`, visits and meetings are free in time.
+    """
     interactions = scene_interactions(scene)
+    appointments = find_appointments(scene, layout, knots)
     setting = Setting(
         scene=scene,
         free_space=free_space,
         interactions=interactions,
         layout=layout,
-        scales=derive_scales(scene, interactions, layout, seed.knots),
-        limits=build_limits(scene, layout, seed.knots),
+        scales=derive_scales(scene, interactions, layout, knots),
+        limits=build_limits(scene, layout, knots, appointments, timed=timed),
+        appointments=appointments,
         padding=0.0,
     )
-    setting = _padded(setting, seed.knots)
-    loop = _Loop(setting, seed.knots, progress, interrupted)
-    loop.run()
-    return loop.result(seed)
+    return _padded(setting, knots)
 
 
 def _padded(setting: Setting, knots: FloatArray) -> Setting:
@@ -163,7 +181,12 @@ class _Loop:
         solver = self._setting.scene.solver
         mu = self._setting.scales.mu
         for outer in range(solver.outer_iterations):
+            before = self._status
             self._outer_iteration(outer, mu)
+            if self._status == "failed" and outer > 0:
+                # Too near its limits to move at all: what the last mu left is the result.
+                self._status = before
+                return
             if self._status in ("interrupted", "failed"):
                 return
             mu *= solver.mu_decay

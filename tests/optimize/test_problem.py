@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.optimize.assembly import Assembly, Setting, build_limits, waypoint_knots
+from stplan.optimize.appointments import find_appointments, visit_knots
+from stplan.optimize.assembly import Assembly, Setting, build_limits
 from stplan.optimize.ipopt import solve
 from stplan.optimize.problem import Problem, Stopwatch
 from stplan.optimize.scales import derive_scales
@@ -58,9 +59,11 @@ def sample_problem(**solver: object) -> Problem:
     scene = sample_scene(**solver)
     knots = sample_knots()
     interactions = scene_interactions(scene)
+    appointments = find_appointments(scene, LAYOUT, knots)
     setting = Setting(
         scene, _Walls(), interactions, LAYOUT,  # type: ignore[arg-type]
-        derive_scales(scene, interactions, LAYOUT, knots), build_limits(scene, LAYOUT, knots), 1e-4,
+        derive_scales(scene, interactions, LAYOUT, knots),
+        build_limits(scene, LAYOUT, knots, appointments), appointments, 1e-4,
     )  # fmt: skip
     return Assembly(setting).problem(knots, 0.3, Stopwatch())
 
@@ -144,7 +147,7 @@ def test_bounds_fix_what_the_scene_gives() -> None:
     middle = replace(scene.agents[0], waypoints=(tuple(knots[2, :2]),))
     told = replace(scene.agents[1], path=tuple(map(tuple, knots[6:12])))
     scene = replace(scene, agents=(middle, told, scene.agents[2]))
-    limits = build_limits(scene, LAYOUT, knots)
+    limits = build_limits(scene, LAYOUT, knots, find_appointments(scene, LAYOUT, knots))
     fixed = limits.lower == limits.upper
     assert fixed[0].all()
     assert fixed[5].tolist() == [True, True, False]
@@ -153,4 +156,5 @@ def test_bounds_fix_what_the_scene_gives() -> None:
     assert not fixed[[1, 3, 4, 13]].any()
     assert limits.upper[18, 2] == scene.agents[2].max_time
     assert (limits.least_duration > 0).all()
-    assert waypoint_knots(knots[:6], (tuple(knots[1, :2]), tuple(knots[4, :2]))) == [1, 4]
+    twice = replace(middle, waypoints=(tuple(knots[1, :2]), tuple(knots[4, :2])))
+    assert visit_knots(twice, knots[:6]) == [(1, 1), (4, 4)]
