@@ -33,6 +33,9 @@ from stplan.world_lines import WorldLines
 
 Progress = Callable[[str], None]
 
+# So many broken promises of initial curves are told.
+MOST_VIOLATIONS = 5
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -149,16 +152,29 @@ def _seeded(
         say("compiling, once after installation: this takes about a quarter of a minute")
     found = find_seed(scene, free_space, progress=say)
     with _interruptible() as interrupted:
-        lines = settle(scene, free_space, found.world_lines, progress=say, interrupted=interrupted)
+        lines = settle(
+            scene, free_space, found.world_lines, found.meetings,
+            progress=say, interrupted=interrupted,
+        )  # fmt: skip
+        if interrupted():
+            raise KeyboardInterrupt
     found = replace(found, world_lines=lines)
     clock.lap("seed")
     certificate = certify(scene, free_space, lines)
     clock.lap("certify")
     if not certificate.holds:
-        raise SeedingError(
-            "the initial curves found do not hold their certificate: " + certificate.violations[0]
-        )
+        raise SeedingError(_broken_promises(certificate))
     return free_space, found, certificate
+
+
+def _broken_promises(certificate: Certificate) -> str:
+    """What the best initial curves miss of all that the scene asks."""
+    shown = list(certificate.violations[:MOST_VIOLATIONS])
+    more = len(certificate.violations) - len(shown)
+    shown += [f"and {more} more"] if more else []
+    return "no initial curves were found that hold their certificate; of the best ones:\n  " + (
+        "\n  ".join(shown)
+    )
 
 
 def _report(

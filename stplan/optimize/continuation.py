@@ -22,6 +22,7 @@ from stplan.optimize.problem import Problem, Stopwatch
 from stplan.optimize.scales import derive_scales
 from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Scene
+from stplan.seeding.meeting_places import MeetingPlace
 from stplan.world import FreeSpace
 from stplan.world_lines import KnotLayout, WorldLines
 
@@ -123,13 +124,14 @@ def build_setting(
     knots: FloatArray,
     *,
     timed: bool = True,
+    planned: Sequence[MeetingPlace] = (),
 ) -> Setting:
     """What stays the same while `scene` is optimised from seed `knots` (M, 3).
 
-    Unless `timed`, visits and meetings are free in time.
+    Unless `timed`, visits and meetings are free in time. Pairs with a `planned` place meet there.
     """
     interactions = scene_interactions(scene)
-    appointments = find_appointments(scene, layout, knots)
+    appointments = find_appointments(scene, free_space, layout, knots, planned)
     setting = Setting(
         scene=scene,
         free_space=free_space,

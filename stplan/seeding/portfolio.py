@@ -20,10 +20,12 @@ from stplan.scene.model import Scene
 from stplan.seeding.diagnosis import hopeless
 from stplan.seeding.dijkstra import dijkstra_curves
 from stplan.seeding.geodesic import geodesic_curves
+from stplan.seeding.meeting_places import MeetingPlace, with_meeting_places
 from stplan.seeding.polish import prepare_seed
 from stplan.seeding.relaxation import relax
 from stplan.seeding.rods import RodProblem, verify, wall_clearance
 from stplan.seeding.search import search_curves
+from stplan.seeding.time_bounds import out_of_time
 from stplan.world import FreeSpace, build_seeding_mesh, disconnected_agents
 from stplan.world_lines import WorldLines
 
@@ -43,11 +45,13 @@ class Seed:
     Attributes:
         found_by: the part of the portfolio that found them.
         record: repeatable figures of the search, for the report.
+        meetings: places that the curves pass so that pairs meet there, at any times.
     """
 
     world_lines: WorldLines
     found_by: str
     record: dict[str, Any] = field(default_factory=dict)
+    meetings: tuple[MeetingPlace, ...] = ()
 
 
 @dataclass
@@ -67,8 +71,10 @@ def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress)
         SeedingError: none were found; the message says whom it concerns, and whether that is proven.
     """
     problem = RodProblem.from_scene(scene, free_space)
+    problem, meetings = with_meeting_places(problem, scene, free_space)
     attempts = _Attempts()
     _refuse_hopeless(scene, problem, free_space)
+    _refuse_out_of_time(scene, free_space)
     for part in _parts(scene, problem):
         if part == "relaxation":
             _relax(scene, problem, free_space, attempts, progress)
@@ -89,9 +95,8 @@ def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress)
     if faults:
         raise SeedingError("initial curves are not clear: " + "; ".join(faults))
     progress(f"seed found by {attempts.found_by}")
-    return Seed(
-        WorldLines.from_curves(problem.agent_ids, curves), attempts.found_by, attempts.record
-    )
+    lines = WorldLines.from_curves(problem.agent_ids, curves)
+    return Seed(lines, attempts.found_by, attempts.record, meetings)
 
 
 def _refuse_hopeless(scene: Scene, problem: RodProblem, free_space: FreeSpace | None) -> None:
@@ -100,6 +105,13 @@ def _refuse_hopeless(scene: Scene, problem: RodProblem, free_space: FreeSpace | 
     sentences = sentences or [reason.sentence for reason in hopeless(problem, free_space)]
     if sentences:
         raise SeedingError("no collision-free curves exist: " + "\n  ".join(sentences))
+
+
+def _refuse_out_of_time(scene: Scene, free_space: FreeSpace | None) -> None:
+    """Raise where it is proven that limits of motion leave someone too little time."""
+    sentences = out_of_time(scene, free_space)
+    if sentences:
+        raise SeedingError("no curves keep the limits of the scene: " + "\n  ".join(sentences))
 
 
 def _parts(scene: Scene, problem: RodProblem) -> list[str]:
