@@ -12,10 +12,8 @@ from typing import Annotated
 
 import typer
 
+from stplan.cli_bench import benchmarks
 from stplan.commands import (
-    bench_comparison,
-    bench_figures,
-    bench_seeding,
     check_trajectories,
     compare,
     plan_scenes,
@@ -46,14 +44,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
-benchmarks = typer.Typer(
-    name="bench",
-    help="Measure the planner on generated scenes.",
-    no_args_is_help=True,
-    rich_markup_mode=None,
-)
-app.add_typer(benchmarks)
 
 ScenePaths = Annotated[list[Path], typer.Argument(metavar="SCENE", help="Scene files (YAML).")]
 Output = Annotated[
@@ -241,111 +231,6 @@ def schema() -> None:
     _serve(False, False, True, print_schema)
 
 
-@benchmarks.callback()
-def _benchmarks() -> None:
-    """Measure the planner on generated scenes."""
-
-
-@benchmarks.command("seeding")
-def bench_seeding_command(
-    *,
-    output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="DIR", help="Results go to DIR.")
-    ] = Path("outputs/bench"),
-    draws: Annotated[
-        int | None,
-        typer.Option(min=1, help="Scenes a family.  [default: 3; 20 with --full]"),
-    ] = None,
-    families: Annotated[
-        str, typer.Option(metavar="A,B", help="Only these families or kinds of them.")
-    ] = "",
-    time_limit: Annotated[
-        float | None,
-        typer.Option(
-            min=0.1, help="Seconds for the search of one seed.  [default: 5; 60 with --full]"
-        ),
-    ] = None,
-    full: Annotated[bool, typer.Option("--full", help="All sizes and more draws.")] = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-) -> None:
-    """Measure how often and how fast seeds are found.
-
-    Writes seeding.csv, a row a draw, and seeding.md, a row a family.
-
-    \b
-    Examples:
-      stplan bench seeding
-      stplan bench seeding --families door,circle --draws 5
-      stplan bench seeding --full -o outputs/bench
-    """
-    _serve(
-        quiet, verbose, False,
-        lambda console: bench_seeding(
-            console, output, draws, families.split(","), time_limit, full=full
-        ),
-    )  # fmt: skip
-
-
-@benchmarks.command("figures")
-def bench_figures_command(
-    *,
-    output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="DIR", help="Results go to DIR.")
-    ] = Path("outputs/bench"),
-    only: Annotated[
-        str, typer.Option(metavar="A,B", help="Only these figures or kinds of them.")
-    ] = "",
-    full: Annotated[bool, typer.Option("--full", help="Large and slow ones too.")] = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-) -> None:
-    """Measure the figures the planner is held to.
-
-    Writes figures.csv and figures.md: time, cost, clearance and memory of planning generated
-    scenes, beside what is asked of them.
-
-    \b
-    Examples:
-      stplan bench figures
-      stplan bench figures --only circle-35,flows
-      stplan bench figures --full -o outputs/bench
-    """
-    _serve(
-        quiet, verbose, False,
-        lambda console: bench_figures(console, output, only.split(","), full=full),
-    )  # fmt: skip
-
-
-@benchmarks.command("comparison")
-def bench_comparison_command(
-    *,
-    output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="DIR", help="Results go to DIR.")
-    ] = Path("outputs/bench"),
-    scenes: Annotated[
-        Path, typer.Option(metavar="DIR", help="Where the scenes of the comparison are.")
-    ] = Path("scenes/comparison"),
-    only: Annotated[str, typer.Option(metavar="A,B", help="Only these scenes.")] = "",
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-) -> None:
-    """Set the planner beside its rivals, as fast as agents can go.
-
-    Writes comparison.csv and comparison.md: makespan, accelerations and clearances of this planner and of
-    those installed of RVO2, JuPedSim, OMPL and CasADi (pip install 'stplan[rivals]').
-
-    \b
-    Examples:
-      stplan bench comparison
-      stplan bench comparison --only gap,lane -o outputs/bench
-    """
-    _serve(
-        quiet, verbose, False,
-        lambda console: bench_comparison(console, output, scenes, only.split(",")),
-    )  # fmt: skip
-
-
 def _interrupt(number: int, frame: FrameType | None) -> None:
     del number, frame
     raise KeyboardInterrupt
@@ -363,3 +248,6 @@ def _serve(quiet: bool, verbose: bool, as_json: bool, work: Callable[[Console], 
         with suppress(UsageError):  # A full disk behind stdout: the messages above say enough.
             console.result_json({"exit_status": status, "messages": messages})
     raise typer.Exit(status)
+
+
+app.add_typer(benchmarks(_serve))

@@ -18,7 +18,7 @@ from stplan.arrays import FloatArray
 from stplan.bench.makespan import fastest
 from stplan.bench.rivals import casadi_grid, jupedsim_model, ompl_joint, rvo2
 from stplan.bench.rivals.motion import Motion, Task
-from stplan.certify.pair_clearance import least_distances
+from stplan.certify.pair_clearance import nearest_moments
 from stplan.certify.wall_clearance import wall_distance
 from stplan.errors import UsageError
 from stplan.pipeline import seed
@@ -185,13 +185,11 @@ def smallest_clearance(
     """The smallest clearance of agents to one another and to the walls, in continuous time, m."""
     count = len(curves)
     wanted = np.triu(np.ones((count, count), dtype=bool), 1)
-    pairs = np.empty((wanted.sum(), 2), dtype=np.int64)
-    distance, instant = np.empty(len(pairs)), np.empty(len(pairs))
     lines = WorldLines.from_curves([agent.id for agent in scene.agents], list(curves))
     leaves = np.array([curve[-1, 2] for curve in curves])
-    least_distances(lines.knots, lines.offsets, leaves, wanted, pairs, distance, instant)
+    found = nearest_moments(lines, leaves, wanted)
     radii = np.array([agent.radius for agent in scene.agents])
-    gaps = distance - radii[pairs].sum(axis=1)
+    gaps = found.distance - radii[found.pairs].sum(axis=1)
     smallest = float(gaps.min(initial=np.inf))
     if free_space is not None:
         walls = (wall_distance(free_space, curve)[0] for curve in curves)

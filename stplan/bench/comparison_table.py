@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
-from dataclasses import astuple, fields
+from dataclasses import asdict
 
 import numpy as np
 
 from stplan.bench.comparison import OURS, RIVALS, Outcome
+from stplan.bench.csv_table import csv_table
 from stplan.bench.markdown import number, table
 
 HEAD = (
@@ -50,14 +49,7 @@ TITLES = {
 
 def csv_text(outcomes: Sequence[Outcome]) -> str:
     """One row a scene and planner."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow([field.name for field in fields(Outcome)])
-    for one in outcomes:
-        writer.writerow(
-            f"{value:.6g}" if isinstance(value, float) else str(value) for value in astuple(one)
-        )
-    return stream.getvalue()
+    return csv_table([asdict(one) for one in outcomes])
 
 
 def markdown_text(outcomes: Sequence[Outcome]) -> str:

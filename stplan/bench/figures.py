@@ -16,7 +16,7 @@ import numpy as np
 
 from stplan.bench import families_open as wide
 from stplan.bench import families_tight as tight
-from stplan.bench.runs import Run, in_own_process, run, warm_up
+from stplan.bench.runs import Run, in_own_process, run, warm_up, with_solver
 from stplan.certify.certificate import certify
 from stplan.errors import UsageError
 from stplan.optimize.continuation import optimise
@@ -86,13 +86,8 @@ class Figure:
         return values[quantity]
 
 
-def _knotted(scene: Scene, knots: int) -> Scene:
-    """`scene` with so many knots an agent."""
-    return replace(scene, solver=replace(scene.solver, knots=knots))
-
-
 def _tight(family: Callable[..., Scene], **size: int) -> Scene:
-    return _knotted(family(np.random.default_rng(0), **size), 60)
+    return with_solver(family(np.random.default_rng(0), **size), knots=60)
 
 
 def _whole(seconds: float, ratio: float) -> tuple[tuple[Quantity, float], ...]:
@@ -129,7 +124,7 @@ def cases() -> list[Case]:
         Case(
             "flows-128",
             "crossing flows of 128 at 1 m/s, 36 knots",
-            lambda: _knotted(wide.crossing_flows(128, 1.0), 36),
+            lambda: with_solver(wide.crossing_flows(128, 1.0), knots=36),
             (*_whole(10.0, 1.07), ("evaluation share", 0.2)),
         ),
         Case(
@@ -218,13 +213,13 @@ def _compared(figure: Figure, planned: Plan) -> Figure:
     """`figure` with the cost after a few seconds over that of a run until nothing changes."""
     scene = planned.scene
     early, _ = _cost_after(scene, planned.seed, TIGHT_SECONDS)
-    solver = replace(
-        scene.solver,
+    patient = with_solver(
+        scene,
         max_iterations=CONVERGED_ITERATIONS,
         step_tolerance=CONVERGED_TOLERANCE,
         optimality_tolerance=CONVERGED_TOLERANCE,
     )
-    best, seconds = _cost_after(replace(scene, solver=solver), planned.seed, CONVERGED_SECONDS)
+    best, seconds = _cost_after(patient, planned.seed, CONVERGED_SECONDS)
     over = early / min(best, early) - 1.0
     return replace(figure, over_converged=over, converged_seconds=seconds)
 

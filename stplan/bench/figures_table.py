@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 from dataclasses import asdict
 
 import numpy as np
 
+from stplan.bench.csv_table import csv_table
 from stplan.bench.figures import Case, Figure, Quantity
 from stplan.bench.markdown import number, table
 
@@ -37,6 +36,14 @@ _FORMATS: dict[Quantity, str] = {
 }
 
 
+def files(chosen: Sequence[Case], figures: Sequence[Figure]) -> dict[str, bytes]:
+    """Names and contents of the files of the measurement."""
+    return {
+        "figures.csv": csv_text(figures).encode(),
+        "figures.md": markdown_text(chosen, figures).encode(),
+    }
+
+
 def csv_text(figures: Sequence[Figure]) -> str:
     """One row a case."""
     rows = [
@@ -45,22 +52,7 @@ def csv_text(figures: Sequence[Figure]) -> str:
         | {"over_converged": one.over_converged, "converged_seconds": one.converged_seconds}
         for one in figures
     ]
-    stream = io.StringIO()
-    writer = csv.DictWriter(stream, list(rows[0]) if rows else ["figure"], lineterminator="\n")
-    writer.writeheader()
-    for row in rows:
-        writer.writerow({key: _plain(value) for key, value in row.items()})
-    return stream.getvalue()
-
-
-def _plain(value: object) -> str:
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return str(int(value))
-    if isinstance(value, float):
-        return "" if np.isnan(value) else f"{value:.6g}"
-    return str(value)
+    return csv_table(rows)
 
 
 def markdown_text(chosen: Sequence[Case], figures: Sequence[Figure]) -> str:

@@ -1,7 +1,8 @@
 """The least time by which everybody can arrive.
 
-Everyone would like to arrive at the same impossibly early time, and what is planned is as near to it as the limits of
-motion and the others leave. Ever shorter horizons give other initial curves; the best plan of all is kept.
+Everyone would like to arrive at the same impossibly early time, and what is planned is as near to it as
+the limits of motion and the others leave. Ever shorter horizons give other initial curves; the best plan
+of all is kept.
 """
 
 from __future__ import annotations

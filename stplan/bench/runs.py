@@ -98,14 +98,26 @@ def measured(planned: Plan, total_seconds: float) -> Run:
     )
 
 
-def warm_up() -> None:
-    """Plan small scenes that between them need every kernel, so that none is compiled while timed."""
+def warm_up(**solver: object) -> None:
+    """Plan small scenes that between them need every kernel, so that none is compiled while timed.
+
+    `solver` are settings that differ from the defaults.
+    """
     draw = np.random.default_rng(0)
     relaxed = tight.corridor_with_pocket(draw, half_width=3.0)
     searched = tight.plus_crossing(draw, turn=3)
-    plan(replace(relaxed, seeding=replace(relaxed.seeding, method="relaxation")))
-    plan(replace(searched, seeding=replace(searched.seeding, method="search")))
-    plan(wide.circle(4, 4.0, 12.0))
+    scenes = (
+        replace(relaxed, seeding=replace(relaxed.seeding, method="relaxation")),
+        replace(searched, seeding=replace(searched.seeding, method="search")),
+        wide.circle(4, 4.0, 12.0),
+    )
+    for scene in scenes:
+        plan(with_solver(scene, **solver))
+
+
+def with_solver(scene: Scene, **solver: object) -> Scene:
+    """`scene` with other settings of the solver."""
+    return replace(scene, solver=replace(scene.solver, **solver))  # type: ignore[arg-type]
 
 
 def in_own_process(work: Callable[..., Result], *arguments: object) -> Result:

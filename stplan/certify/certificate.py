@@ -15,7 +15,7 @@ import numpy as np
 from stplan.arrays import FloatArray
 from stplan.certify.meetings import MeetingSpot, meeting_spots
 from stplan.certify.motion import PLACE_TOLERANCE, Peak, missed_visit, motion_peaks
-from stplan.certify.pair_clearance import least_distances
+from stplan.certify.pair_clearance import nearest_moments
 from stplan.certify.wall_clearance import time_at, wall_distance
 from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Agent, Scene
@@ -203,35 +203,25 @@ def _check_pairs(
     scene: Scene, curves: list[FloatArray]
 ) -> tuple[tuple[Tightest, ...], int, list[str]]:
     interactions = scene_interactions(scene)
-    count = int(np.triu(interactions.collides).sum())
-    total = len(curves) * (len(curves) - 1) // 2
-    leaves = _leaves(scene, curves)
-    pairs = np.empty((count, 2), dtype=np.int64)
-    distance = np.empty(count)
-    instant = np.empty(count)
     lines = WorldLines.from_curves([agent.id for agent in scene.agents], curves)
-    least_distances(
-        lines.knots, lines.offsets, leaves, interactions.collides, pairs, distance, instant
-    )
+    found = nearest_moments(lines, _leaves(scene, curves), interactions.collides)
+    needs = interactions.distance[found.pairs[:, 0], found.pairs[:, 1]]
+    columns = (found.pairs, found.distance, needs, found.instant, found.middle)
+    rows = zip(*(column.tolist() for column in columns), strict=True)
+    ignored = len(curves) * (len(curves) - 1) // 2 - len(found.pairs)
     spots, sentences = [], []
-    for (a, b), gap, when in zip(pairs.tolist(), distance.tolist(), instant.tolist(), strict=True):
+    for (a, b), gap, needed, when, (x, y) in rows:
         if not np.isfinite(gap):
             continue
-        needed = float(interactions.distance[a, b])
-        middle = [
-            0.5 * (np.interp(when, curves[a][:, 2], curves[a][:, x])
-                   + np.interp(when, curves[b][:, 2], curves[b][:, x]))
-            for x in range(2)
-        ]  # fmt: skip
         names = (scene.agents[a].id, scene.agents[b].id)
-        spot = Tightest(names, gap - needed, when, (float(middle[0]), float(middle[1])))
+        spot = Tightest(names, gap - needed, when, (x, y))
         spots.append(spot)
         if gap <= needed:
             sentences.append(
                 f"{names[0]} and {names[1]}: {gap:.6g} m apart at t = {when:.6g} s, "
-                f"({middle[0]:.4g}, {middle[1]:.4g}); more than {needed:.6g} m is needed"
+                f"({x:.4g}, {y:.4g}); more than {needed:.6g} m is needed"
             )
-    return tuple(spots), total - count, sentences
+    return tuple(spots), ignored, sentences
 
 
 def _check_walls(

@@ -82,13 +82,17 @@ def build_limits(
         layout.agent_of_segment
     ]
     least = np.minimum(LEAST_DURATION_SHARE * mean, SEED_DURATION_SHARE * step)
+    irregular = np.array([agent.weights.regularity == 0.0 for agent in scene.agents])
+    guarded = irregular[layout.agent_of_segment]
     if not timed:
-        return Limits(lower, upper, least)
+        return Limits(lower, upper, least, np.flatnonzero(guarded))
     windowed, window = appointments.windowed, appointments.window
     lower[windowed, 2] = np.maximum(lower[windowed, 2], window[:, 0])
     upper[windowed, 2] = np.minimum(upper[windowed, 2], window[:, 1])
-    least[np.searchsorted(layout.segment, appointments.stays[:, 0])] = appointments.dwell
-    return Limits(lower, upper, least, appointments.links)
+    dwelling = np.searchsorted(layout.segment, appointments.stays[:, 0])
+    least[dwelling] = appointments.dwell
+    guarded[dwelling] = True
+    return Limits(lower, upper, least, np.flatnonzero(guarded), appointments.links)
 
 
 class Assembly:
@@ -122,7 +126,10 @@ class Assembly:
         terms: list[Term] = [
             Kinetic(layout, weights("kinetic"), np.array([agent.mass for agent in agents])),
             Regularity(
-                layout, setting.scales.regularity, np.array([agent.start_time for agent in agents])
+                layout,
+                setting.scales.regularity,
+                np.array([agent.start_time for agent in agents]),
+                exact=setting.scene.solver.hessian == "exact",
             ),
         ]
         if weights("acceleration").any():

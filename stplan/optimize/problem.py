@@ -1,8 +1,10 @@
 """The nonlinear program: terms are summed, their Hessians scattered into one structure.
 
 Variables are the flat knots, x[3 i + axis]. Start, goal, waypoints and given paths are fixed by equal
-bounds, T^max is a bound, and t_{i+1} - t_i >= gap are linear constraints with a constant Jacobian, as are
-t_i = t_j of the knots at which a pair meets.
+bounds and T^max is a bound. That time runs on is part of the objective's domain: the regularity cost rises
+without bound as a duration goes to zero. Where no such cost stands guard (a weight of 0, a dwell) a least
+t_{i+1} - t_i is a linear constraint with a constant Jacobian, as is t_i = t_j of the knots at which a pair
+meets. Constraints for all segments would double the size of the linear systems.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.compiled import kernel
 from stplan.costs.contact_term import ContactTerm
 from stplan.costs.limit import Limit
 from stplan.costs.term import Term
@@ -30,12 +33,14 @@ class Limits:
     Attributes:
         lower, upper: (M, 3) bounds of the knots, equal where a variable is fixed.
         least_duration: (S,) smallest t_{i+1} - t_i of every segment, s.
+        guarded: (G,) segments whose least duration takes a constraint of its own.
         links: (L, 2) knots of one time.
     """
 
     lower: FloatArray
     upper: FloatArray
     least_duration: FloatArray
+    guarded: IntArray
     links: IntArray = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
 
 
@@ -71,10 +76,9 @@ class Problem:
         structures = [term.hessian_structure() for term in self.terms]
         rows = np.concatenate([rows for rows, _ in structures])
         columns = np.concatenate([columns for _, columns in structures])
-        codes = rows * self.num_variables + columns
-        unique, self._place = np.unique(codes, return_inverse=True)
-        self.hessian_rows = unique // self.num_variables
-        self.hessian_columns = unique % self.num_variables
+        self.hessian_rows, self.hessian_columns, self._place = _merged(
+            rows, columns, self.num_variables
+        )
         self._key: bytes | None = None
         self._value = np.inf
         self._gradient: FloatArray | None = None
@@ -150,7 +154,11 @@ class Problem:
     def _admissible(self, knots: FloatArray) -> bool:
         """Finite, with time running on: asked before any term may divide by a duration."""
         start = self.layout.segment
-        return bool(np.isfinite(knots).all() and (knots[start + 1, 2] > knots[start, 2]).all())
+        duration = knots[start + 1, 2] - knots[start, 2]
+        # Half of it: a constraint of Ipopt holds to a tolerance.
+        return bool(
+            np.isfinite(knots).all() and (duration > 0.5 * self.limits.least_duration).all()
+        )
 
     def hessian(self, x: FloatArray) -> FloatArray:
         """Lower triangle in the order of `hessian_rows`, `hessian_columns`."""
@@ -162,13 +170,13 @@ class Problem:
                 for term in self.terms
             ]
         )
-        summed: FloatArray = np.bincount(self._place, values, len(self.hessian_rows)).astype(float)
+        summed = _summed(values, self._place, len(self.hessian_rows))
         self.watch.hessian += time.perf_counter() - started
         self.watch.hessians += 1
         return summed
 
     def durations(self, x: FloatArray) -> FloatArray:
-        """(S + L,) t_{i+1} - t_i of every segment, then t_j - t_i of every link, s."""
+        """(G + L,) t_{i+1} - t_i of guarded segments, then t_j - t_i of every link, s."""
         head, tail = self._constrained()
         knots = x.reshape(-1, 3)
         return knots[tail, 2] - knots[head, 2]
@@ -181,14 +189,14 @@ class Problem:
         return rows, columns, np.tile([-1.0, 1.0], len(head))
 
     def durations_bounds(self) -> tuple[FloatArray, FloatArray]:
-        """(S + L,) least and greatest of `durations`, s."""
+        """(G + L,) least and greatest of `durations`, s."""
         zeros = np.zeros(len(self.limits.links))
-        least = self.limits.least_duration
+        least = self.limits.least_duration[self.limits.guarded]
         return np.concatenate([least, zeros]), np.concatenate([np.full(len(least), 2e19), zeros])
 
     def _constrained(self) -> tuple[IntArray, IntArray]:
         """Knots whose times are compared."""
-        start, links = self.layout.segment, self.limits.links
+        start, links = self.layout.segment[self.limits.guarded], self.limits.links
         return np.concatenate([start, links[:, 0]]), np.concatenate([start + 1, links[:, 1]])
 
     def is_stale(self) -> bool:
@@ -198,3 +206,41 @@ class Problem:
             if missing is not None and missing.any():
                 return True
         return False
+
+
+@kernel
+def _merged(rows: IntArray, columns: IntArray, size: int) -> tuple[IntArray, IntArray, IntArray]:
+    """Distinct entries, row by row with increasing columns, and the place of every given one."""
+    starts = np.zeros(size + 1, dtype=np.int64)
+    for row in rows:
+        starts[row + 1] += 1
+    for row in range(size):
+        starts[row + 1] += starts[row]
+    sequence = np.empty(len(rows), dtype=np.int64)
+    filled = starts[:-1].copy()
+    for k in range(len(rows)):
+        sequence[filled[rows[k]]] = k
+        filled[rows[k]] += 1
+    places = np.empty(len(rows), dtype=np.int64)
+    entries = np.empty((len(rows), 2), dtype=np.int64)
+    count = 0
+    for row in range(size):
+        own = sequence[starts[row] : starts[row + 1]]
+        before = -1
+        for k in own[np.argsort(columns[own])]:
+            if columns[k] != before:
+                before = columns[k]
+                entries[count, 0] = row
+                entries[count, 1] = before
+                count += 1
+            places[k] = count - 1
+    return entries[:count, 0].copy(), entries[:count, 1].copy(), places
+
+
+@kernel
+def _summed(values: FloatArray, places: IntArray, count: int) -> FloatArray:
+    """(count,) sums of the values that go to the same place."""
+    total = np.zeros(count)
+    for k in range(len(values)):
+        total[places[k]] += values[k]
+    return total

@@ -63,7 +63,7 @@ def sample_terms(exact: bool = True) -> dict[str, Term]:
         "kinetic": Kinetic(LAYOUT, weights, np.array([1.0, 5.0, 2.0])),
         "acceleration": Acceleration(LAYOUT, np.array([2.0, 0.0, 0.7]), 1.7),
         "arrival": Arrival(LAYOUT, weights, np.array([3.0, 4.0, 9.0])),
-        "regularity": Regularity(LAYOUT, weights, np.array([0.1, 0.2, 0.0])),
+        "regularity": Regularity(LAYOUT, weights, np.array([0.1, 0.2, 0.0]), exact=exact),
         "grouping": Grouping(knots, rods, interactions, 3.0, exact=exact),
     }
     timed = np.array([[2, 8], [8, 2], [3, 4], [NONE, 9], [NONE, 14], [9, 10]])
