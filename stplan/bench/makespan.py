@@ -20,7 +20,7 @@ from stplan.scene.model import Agent, Scene
 # Shares of the time between the least that the limits of motion leave and the scene's own horizon.
 SHARES = (1.0, 0.5, 0.25, 0.125)
 # Weight of arriving late, per mass: a second is worth more than the energy of hurrying.
-EAGERNESS = 10.0
+EAGERNESS = 100.0
 # How long initial curves are looked for at every horizon (s).
 SEED_LIMIT = 15.0
 
