@@ -123,13 +123,13 @@ def test_derivatives_of_the_assembled_lagrangian(model: str) -> None:
     check_not_vacuous(function, sample_knots())
     rng = np.random.default_rng(7)
     check_taylor_slopes(function, sample_knots(), 0.02 * rng.normal(size=(19, 3)))
-    rows, columns, values = problem.durations_jacobian()
+    rows, columns, values = problem.constraints_jacobian()
     # Constraints are linear: the Jacobian reproduces them and adds nothing to the Lagrangian's Hessian.
     x = sample_knots().ravel()
-    assert len(problem.durations(x)) == LAYOUT.num_segments[0]
+    assert len(problem.constraints(x)) == LAYOUT.num_segments[0]
     jacobian = np.zeros((LAYOUT.num_segments[0], problem.num_variables))
     jacobian[rows, columns] = values
-    assert jacobian @ x == pytest.approx(problem.durations(x))
+    assert jacobian @ x == pytest.approx(problem.constraints(x))
 
 
 def test_derivatives_with_limits_and_a_meeting() -> None:
@@ -137,16 +137,24 @@ def test_derivatives_with_limits_and_a_meeting() -> None:
     names = {term.name for term in problem.terms}
     assert names >= {"speed limit", "acceleration limit", "rest limit", "meeting"}
     check_differences(_AsFunction(problem), sample_knots())
-    rows, columns, values = problem.durations_jacobian()
-    jacobian = np.zeros((len(LAYOUT.segment) + 1, problem.num_variables))
+    rows, columns, values = problem.constraints_jacobian()
+    # Agent 0 has guarded segments; the 5 and 6 of agents 1 and 2 are limited in their share.
+    segments = LAYOUT.num_segments[0]
+    jacobian = np.zeros((segments + 1 + 11, problem.num_variables))
     jacobian[rows, columns] = values
+    assert len(set(zip(rows.tolist(), columns.tolist(), strict=True))) == len(rows)
     x = sample_knots().ravel()
-    assert jacobian @ x == pytest.approx(problem.durations(x))
+    found = problem.constraints(x)
+    assert jacobian @ x == pytest.approx(found)
     ((i, j),) = problem.limits.links
-    assert problem.durations(x)[-1] == pytest.approx(x[3 * j + 2] - x[3 * i + 2])
-    least, greatest = problem.durations_bounds()
-    assert (least[-1], greatest[-1]) == (0.0, 0.0)
-    assert (least[:-1] > 0).all()
+    assert found[segments] == pytest.approx(x[3 * j + 2] - x[3 * i + 2])
+    own = sample_knots()[OFFSETS[1] : OFFSETS[2], 2]
+    shares = problem.limits.greatest_share[5:10]
+    assert found[segments + 1 : segments + 6] == pytest.approx(shares * np.ptp(own) - np.diff(own))
+    least, greatest = problem.constraint_bounds()
+    assert (least[segments], greatest[segments]) == (0.0, 0.0)
+    assert (least[:segments] > 0).all()
+    assert (found[segments + 1 :] > 0).all()
 
 
 def test_no_step_goes_past_a_limit() -> None:
