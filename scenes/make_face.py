@@ -23,12 +23,14 @@ FIRST, APART = 16.0, 0.5
 
 
 def main() -> None:
-    """Eyes first, then the mouth from its left to its right corner, then the outline from the top on."""
+    """The face appears from its far side on, so that nobody has to pass where somebody stands already."""
     lines = ["id,start_x,start_y,goal_x,goal_y,preferred_time"]
     parts = {"eye": EYES, "mouth": MOUTH, "outline": OUTLINE}
-    names = [f"{part}-{k + 1}" for part, places in parts.items() for k in range(len(places))]
-    places = [place for part in parts.values() for place in part]
-    for number, (name, (x, y)) in enumerate(zip(names, places, strict=True)):
+    named = [
+        (f"{part}-{k + 1}", *parts[part][k]) for part in parts for k in range(len(parts[part]))
+    ]
+    named.sort(key=lambda one: (-round(one[1], 3), one[2]))
+    for number, (name, x, y) in enumerate(named):
         rank, file = divmod(number, RANK)
         start = f"{FRONT - SPACING * rank:g},{TOP - SPACING * file:g}"
         lines.append(f"{name},{start},{x:.3f},{y:.3f},{FIRST + APART * number:g}")

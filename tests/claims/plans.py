@@ -10,7 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from stplan import load_scene
+from stplan.certify.pair_clearance import nearest_moments
 from stplan.pipeline import Plan, plan
+from stplan.world_lines import WorldLines
 
 SCENES = Path(__file__).parents[2] / "scenes"
 
@@ -72,6 +74,14 @@ def distances(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return np.hypot(*(places(first, times) - places(second, times)).T)
 
 
+def nearest(first: np.ndarray, second: np.ndarray) -> float:
+    """Least distance of two agents while both are on their way, m, exactly."""
+    lines = WorldLines.from_curves(["first", "second"], [first, second])
+    leaves = np.array([first[-1, 2], second[-1, 2]])
+    found = nearest_moments(lines, leaves, np.ones((2, 2), dtype=bool))
+    return float(found.distance[0])
+
+
 def arrival(curve: np.ndarray) -> float:
     """When the agent arrives, s."""
     return float(curve[-1, 2])
@@ -116,6 +126,6 @@ def close_calls(name: str) -> int:
     for agent, own in zip(scene.agents, curves(name).values(), strict=True):
         straight.append(np.array([[*agent.start, agent.start_time], [*agent.goal, arrival(own)]]))
     return sum(
-        distances(a, b).min() < scene.agents[i].radius + scene.agents[j].radius
+        nearest(a, b) < scene.agents[i].radius + scene.agents[j].radius
         for (i, a), (j, b) in combinations(enumerate(straight), 2)
     )

@@ -14,7 +14,7 @@ from tests.claims.plans import (
     close_calls,
     curves,
     deviation,
-    distances,
+    nearest,
     offsets,
     path_length,
     planned,
@@ -44,10 +44,10 @@ def test_paths_start_to_give_way_long_before(claim):
     found = curves("three-agents/mass")
     ann, sam = found["ann"], found["sam"]
     times = np.linspace(0.0, 12.0, 1201)
-    nearest = times[_distance(ann, sam, times).argmin()]
+    closest = times[_distance(ann, sam, times).argmin()]
     aside = np.interp(times, ann[:, 2], np.abs(offsets(ann)))
     first = times[np.flatnonzero(aside > 0.1 * deviation(ann))[0]]
-    claim("three-agents-mass", "giving way before the closest moment, s", nearest - first,
+    claim("three-agents-mass", "giving way before the closest moment, s", closest - first,
           at_least=2)  # fmt: skip
 
 
@@ -105,13 +105,13 @@ def test_the_meadow_is_crossed_with_real_conflicts(claim):
     deer = [path_length(found[name]) / straight_length(found[name]) for name in ("doe", "buck")]
     claim("meadow", "median detour of people, m", float(np.median(people)), at_most=1.0)
     claim("meadow", "longest path of a deer over straight", max(deer), at_most=1.1)
-    nearest = min(
-        distances(found[deer], own).min()
+    least = min(
+        nearest(found[deer], own)
         for deer in ("doe", "buck")
         for name, own in found.items()
         if name not in ("doe", "buck")
     )
-    claim("meadow", "nearest that deer and people come, m", nearest, at_least=2.0)
+    claim("meadow", "nearest that deer and people come, m", least, at_least=2.0)
 
 
 def test_one_path_of_all_costs_least(claim):
@@ -131,9 +131,7 @@ def test_rods_that_do_not_meet_are_agents_that_do_not(claim):
     east, north = curves("paths/rods").values()
     ground = np.hypot(*(east[:, None, :2] - north[None, :, :2]).transpose(2, 0, 1)).min()
     claim("paths-rods", "nearest that the paths come on the ground, m", ground, at_most=0.6)
-    claim(
-        "paths-rods", "nearest that the agents come, m", distances(east, north).min(), at_least=1.2
-    )
+    claim("paths-rods", "nearest that the agents come, m", nearest(east, north), at_least=1.2)
 
 
 def test_everyone_meets_everyone_in_a_circle():
