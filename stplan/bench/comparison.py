@@ -32,7 +32,7 @@ from stplan.world_lines import WorldLines
 NAMES = ("three-symmetric", "three-offset", "circle", "gap", "lane")
 OURS = "stplan"
 # How long (s) a rival may compute, or simulate.
-TIME_LIMIT = 60.0
+TIME_LIMIT = 30.0
 RIVALS: tuple[tuple[str, str, Callable[[Task], Motion]], ...] = (
     (jupedsim_model.NAME, jupedsim_model.PACKAGE, jupedsim_model.drive),
     (rvo2.NAME, rvo2.PACKAGE, rvo2.drive),

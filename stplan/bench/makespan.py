@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -18,9 +19,14 @@ from stplan.pipeline import Plan, plan
 from stplan.scene.model import Agent, Scene
 
 # Shares of the time between the least that the limits of motion leave and the scene's own horizon.
-SHARES = (1.0, 0.5, 0.25, 0.125)
+SHARES = (0.5, 0.25)
 # Weight of arriving late, per mass: a second is worth more than the energy of hurrying.
-EAGERNESS = 100.0
+EAGERNESS = 30.0
+# Strong barriers first, and slowly weaker ones: a wish this strong would otherwise wedge agents together.
+PATIENCE: dict[str, Any] = {
+    "mu": 10.0, "outer_iterations": 12, "max_iterations": 200,
+    "step_tolerance": 1e-4, "optimality_tolerance": 1e-4,
+}  # fmt: skip
 # How long initial curves are looked for at every horizon (s).
 SEED_LIMIT = 15.0
 
@@ -85,8 +91,10 @@ def _planned(scene: Scene, horizon: float, wanted: float) -> Plan | None:
         for agent in scene.agents
     )
     seeding = replace(scene.seeding, time_limit=SEED_LIMIT)
+    solver = replace(scene.solver, **PATIENCE)
+    patient = replace(scene, horizon=horizon, agents=agents, seeding=seeding, solver=solver)
     try:
-        found = plan(replace(scene, horizon=horizon, agents=agents, seeding=seeding))
+        found = plan(patient)
     except SeedingError:
         return None
     return found if found.exit_status == 0 else None
