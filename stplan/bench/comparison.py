@@ -107,7 +107,8 @@ def our_outcome(scene: Scene, name: str, *, progress: Callable[[str], None]) -> 
     best = fastest(scene, progress=progress)
     if best is None or best.plan.trajectories is None:
         return Outcome(name, OURS, len(scene.agents), note="no plan")
-    motion = Motion(list(best.plan.trajectories.curves()), np.ones(blank.agents, dtype=bool))
+    everyone = np.ones(blank.agents, dtype=bool)
+    motion = Motion(list(best.plan.trajectories.curves()), everyone, rests=True)
     planned = best.plan.run["seconds"]["total"]
     note = f"certified; {planned:.1f} s of it are the plan itself"
     return measured(blank, scene, build_free_space(scene), motion, best.seconds, note)
@@ -164,18 +165,24 @@ def measured(
         int(motion.arrived.sum()),
         latest if motion.arrived.all() else np.nan,
         sum(float(np.hypot(*np.diff(curve[:, :2], axis=0).T).sum()) for curve in motion.curves),
-        max(greatest_acceleration(curve) for curve in motion.curves),
+        max(greatest_acceleration(curve, rests=motion.rests) for curve in motion.curves),
         smallest_clearance(scene, free_space, motion.curves),
         seconds,
         note,
     )
 
 
-def greatest_acceleration(curve: FloatArray) -> float:
-    """The greatest change of velocity between neighbouring segments over the time between their middles."""
+def greatest_acceleration(curve: FloatArray, *, rests: bool = False) -> float:
+    """The greatest change of velocity between neighbouring segments over the time between their middles.
+
+    Where the agent `rests`, it stands still before and after, as the certificate has it.
+    """
     step = np.diff(curve, axis=0)
     velocity = step[:, :2] / step[:, 2:]
     between = 0.5 * (step[1:, 2] + step[:-1, 2])
+    if rests:
+        velocity = np.vstack([np.zeros(2), velocity, np.zeros(2)])
+        between = np.concatenate([0.5 * step[:1, 2], between, 0.5 * step[-1:, 2]])
     return float((np.hypot(*np.diff(velocity, axis=0).T) / between).max(initial=0.0))
 
 

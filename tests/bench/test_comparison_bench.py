@@ -63,6 +63,8 @@ def test_motions_are_measured_exactly():
     assert one.makespan == 10.0
     assert one.length == pytest.approx(18.0)
     assert one.acceleration == pytest.approx(1.0 / 3.0)
+    rested = comparison.greatest_acceleration(STRAIGHT[0], rests=True)
+    assert rested == pytest.approx(2.0 / 1.0)  # It stops from 2 m/s within half of 2 s.
     # At t = 4 both are on x = 0, at 0.2 and -1; a little later they are nearest.
     times = np.linspace(4.0, 6.0, 200_001)
     nearest = np.hypot(2.0 * (times - 4.0), 0.2 - (times - 5.0)).min()

@@ -93,7 +93,7 @@ def _solved(task: Task, guess: list[FloatArray], duration: float) -> Motion:
         np.column_stack([np.vstack([start, found[:, agent], goal]), times])
         for agent, (start, goal) in enumerate(zip(task.starts, task.goals, strict=True))
     ]
-    return Motion(curves, np.ones(count, dtype=bool))
+    return Motion(curves, np.ones(count, dtype=bool), rests=True)
 
 
 def _walls(task: Task, places: list[Any]) -> list[Any]:

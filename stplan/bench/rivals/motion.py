@@ -49,11 +49,15 @@ class Task:
 
 @dataclass(frozen=True)
 class Motion:
-    """Curves (n, 3) an agent as x, y, t and who reached its goal; no curves where there is no plan."""
+    """Curves (n, 3) an agent as x, y, t and who reached its goal; no curves where there is no plan.
+
+    `rests` says that agents start and end at rest, so that getting going and stopping count too.
+    """
 
     curves: list[FloatArray]
     arrived: BoolArray
     note: str = ""
+    rests: bool = False
 
 
 def no_motion(count: int, note: str) -> Motion:
