@@ -47,7 +47,7 @@ class Claim:
         """Assert that a figure lies within its bounds, and keep it for the table."""
         bounds = [f"at least {at_least:g}"] if at_least is not None else []
         bounds += [f"at most {at_most:g}"] if at_most is not None else []
-        self.rows.append((scene, self.sentence, measured, f"{figure:.3g}", ", ".join(bounds)))
+        self.rows.append((scene, self.sentence, measured, f"{figure:.4g}", ", ".join(bounds)))
         assert bounds, "a figure needs a bound"
         assert at_least is None or figure >= at_least, f"{measured}: {figure}"
         assert at_most is None or figure <= at_most, f"{measured}: {figure}"

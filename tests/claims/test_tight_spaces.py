@@ -124,8 +124,6 @@ def test_passengers_find_their_seats(name, claim):
     assert all(agent.start != agent.goal for agent in scene.agents)
     claim(scene.name, "smallest clearance, m", planned(name).certificate.smallest.clearance,
           at_least=1e-6)  # fmt: skip
-    latest = max(arrival(own) for own in curves(name).values()) / scene.final_time
-    claim(scene.name, "latest arrival over the horizon", latest, at_most=1.0)
 
 
 @pytest.mark.claims
