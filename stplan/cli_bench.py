@@ -72,7 +72,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:
-        """Measure the figures the planner is held to.
+        """Whole plans beside what is asked of them.
 
         Time, cost, clearance and memory of planning generated scenes, beside what is asked of them.
 
@@ -92,7 +92,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         *, output: Output = FOLDER, full: Full = False, quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:  # fmt: skip
-        """Measure how the time of an iteration grows with agents.
+        """Time of an iteration over agents.
 
         Flows of random agents cross, at constant density.
 
@@ -110,7 +110,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         *, output: Output = FOLDER, full: Full = False, quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:  # fmt: skip
-        """Measure how the time of an iteration grows with knots per agent.
+        """Time of an iteration over knots per agent.
 
         \b
         Example:
@@ -126,7 +126,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         *, output: Output = FOLDER, full: Full = False, quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:  # fmt: skip
-        """Measure how the time of an iteration grows with edges of walls.
+        """Time of an iteration over edges of walls.
 
         Three agents in a maze between hedges that are drawn more and more finely.
 
@@ -158,7 +158,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:
-        """Measure how fast variants of the optimiser come near the best cost.
+        """Variants of the optimiser on whole scenes.
 
         Iterations and time to 1 % and 0.1 % of the best cost, clearance, failures.
 
@@ -179,7 +179,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         *, output: Output = FOLDER, time_limit: TimeLimit = None, full: Full = False,
         quiet: Quiet = False, verbose: Verbose = False,
     ) -> None:  # fmt: skip
-        """Measure against CasADi and Ipopt on a common grid of times.
+        """Against CasADi and Ipopt on a common time grid.
 
         The rival's distances are enlarged until its result is clear at every instant.
 
@@ -213,7 +213,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:
-        """Measure how often and how fast seeds are found.
+        """How often and how fast seeds are found.
 
         Writes seeding.csv, a row a draw, and seeding.md, a row a family.
 
