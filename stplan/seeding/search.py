@@ -173,6 +173,8 @@ def search_curves(
             break
         if level.hopeless:
             continue
+        if stopped():
+            break
         count = settings.layers or automatic_layers(problem, level.graph, level.journeys)
         planner = LayeredPlanner(
             problem, level.graph, level.journeys, level.required, count * stage.layers

@@ -82,14 +82,14 @@ def _reflex_corners(area: shapely.Geometry) -> FloatArray:
     for part in shapely.get_parts(area):
         if not isinstance(part, shapely.Polygon) or part.is_empty:
             continue
-        for ring in (part.exterior, *part.interiors):
+        for number, ring in enumerate((part.exterior, *part.interiors)):
             points = np.asarray(ring.coords, dtype=np.float64)[:-1, :2]
             before, after = (
                 points - np.roll(points, 1, axis=0),
                 np.roll(points, -1, axis=0) - points,
             )
             turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-            outside = ring is part.exterior
-            reflex = turn < 0.0 if ring.is_ccw == outside else turn > 0.0
+            # Anticlockwise outside, clockwise in holes: the area is to the left.
+            reflex = turn < 0.0 if ring.is_ccw == (number == 0) else turn > 0.0
             found.append(points[reflex])
     return np.vstack(found) if found else np.empty((0, 2))
