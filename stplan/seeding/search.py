@@ -58,7 +58,7 @@ FEW_PRIORITY_BASED = 12
 MOST_PRIORITY_BASED = 40
 # Margins and multiples of the layers with which given curves are repaired.
 REPAIR_STAGES = ((1.02, 1), (1.02, 2), (1.001, 2), (1.001, 4))
-REPAIR_ITERATIONS = 300
+REPAIR_ITERATIONS = 60
 # Stages of this effort are soon gone through; then other parts of a portfolio may have their turn.
 SOON_EFFORT, MOST_EFFORT = 1, 128
 LEAST_HELD = 1.0005
