@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import shapely
 
 from stplan.errors import SeedingError
 from stplan.scene.model import Scene
@@ -14,9 +13,8 @@ from stplan.seeding.polish import kinetic_cost, polish
 from stplan.seeding.portfolio import Seed, find_seed
 from stplan.seeding.rods import RodProblem, verify
 from stplan.seeding.search import search_curves
-from stplan.seeding.shortest_length import MOST_CORNERS, ShortestLengths
 from stplan.seeding.smoothing import smooth_curves
-from stplan.world import FreeSpace, build_free_space
+from stplan.world import build_free_space
 from tests.seeding.families import circle
 from tests.seeding.tight_families import door, make_scene, rectangle
 
@@ -62,35 +60,11 @@ def test_a_horizon_too_short_for_the_shortest_way_is_proven_hopeless() -> None:
     wall = [rectangle(3.99, -1, 4.01, 4.7)]
     scene = make_scene("x", ROOM, wall, [((1.0, 1.0), (7.0, 1.0))], horizon=10.0)
     message = failure(with_speed(scene, 0.95))
-    assert message.startswith("no collision-free curves exist: a0: its shortest way is at least 1")
-    assert "at its speed limit of 0.95 m/s, but it has 10 s" in message
-    assert seed(with_speed(scene, 1.2)).found_by
+    assert message.startswith("no curves keep the limits of the scene: ")
+    assert "a0 cannot reach its goal by 10 s: its way is at least 1" in message
+    assert "at 0.95 m/s" in message
     in_the_open = replace(scene, map=None)
     assert "at least 6 m long" in failure(with_speed(in_the_open, 0.55))
-
-
-def test_shortest_lengths_are_those_of_taut_strings_round_corners() -> None:
-    radius = 0.5
-    block = shapely.box(-1, -9, 1, 0)
-    space = FreeSpace.from_polygon(shapely.box(-10, -8, 10, 5).difference(block))
-    start, goal = np.array([-4.0, -4.0]), np.array([4.0, -4.0])
-    # Two tangents to the corners' discs, two arcs, the straight piece between them.
-    reach = float(np.hypot(3.0, 4.0))
-    tangent = float(np.sqrt(reach**2 - radius**2))
-    direction = np.arctan2(4.0, 3.0) + np.arcsin(radius / reach)
-    length = 2.0 * (tangent + radius * direction) + 2.0
-    found = ShortestLengths(space, radius).through(np.array([start, goal]))
-    assert found <= length
-    assert found == pytest.approx(length, rel=3e-3)
-    halves = ShortestLengths(space, radius).through(np.array([start, [0.0, 2.0], goal]))
-    assert halves > found
-
-
-def test_a_map_of_very_many_corners_counts_the_straight_way_only() -> None:
-    teeth = [shapely.box(k * 0.1, 0, k * 0.1 + 0.05, 1) for k in range(MOST_CORNERS)]
-    space = FreeSpace.from_polygon(shapely.box(-2, -2, 50, 5).difference(shapely.union_all(teeth)))
-    stops = np.array([[0.0, -1.0], [0.0, 3.0]])
-    assert ShortestLengths(space, 0.01).through(stops) == 4.0
 
 
 def test_what_is_not_found_within_the_limit_says_so_and_claims_no_proof() -> None:
