@@ -58,7 +58,7 @@ FEW_PRIORITY_BASED = 12
 MOST_PRIORITY_BASED = 40
 # Margins and multiples of the layers with which given curves are repaired.
 REPAIR_STAGES = ((1.02, 1), (1.02, 2), (1.001, 2), (1.001, 4))
-REPAIR_ITERATIONS = 300
+REPAIR_ITERATIONS = 60
 # Stages of this effort are soon gone through; then other parts of a portfolio may have their turn.
 SOON_EFFORT, MOST_EFFORT = 1, 128
 LEAST_HELD = 1.0005
@@ -173,6 +173,8 @@ def search_curves(
             break
         if level.hopeless:
             continue
+        if stopped():
+            break
         count = settings.layers or automatic_layers(problem, level.graph, level.journeys)
         planner = LayeredPlanner(
             problem, level.graph, level.journeys, level.required, count * stage.layers
