@@ -10,6 +10,7 @@ import typer
 
 from stplan.bench_commands import (
     bench_all,
+    bench_batch,
     bench_convergence,
     bench_figures,
     bench_rival,
@@ -191,6 +192,22 @@ def benchmarks(serve: Serve) -> typer.Typer:
             quiet, verbose, False,
             lambda console: bench_rival(console, output, time_limit, full=full),
         )  # fmt: skip
+
+    @app.command()
+    def batch(
+        *,
+        output: Output = FOLDER,
+        runs: Annotated[int, typer.Option(min=2, help="Runs a batch.")] = 100,
+        quiet: Quiet = False,
+        verbose: Verbose = False,
+    ) -> None:
+        """Measure what a batch costs beyond planning, with one job and with two.
+
+        \b
+        Example:
+          stplan bench batch
+        """
+        serve(quiet, verbose, False, lambda console: bench_batch(console, output, runs))
 
     @app.command()
     def seeding(
