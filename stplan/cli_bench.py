@@ -11,6 +11,7 @@ import typer
 from stplan.bench_commands import (
     bench_all,
     bench_batch,
+    bench_comparison,
     bench_convergence,
     bench_figures,
     bench_rival,
@@ -61,6 +62,33 @@ def benchmarks(serve: Serve) -> typer.Typer:
           stplan bench all --full -o outputs/bench
         """
         serve(quiet, verbose, False, lambda console: bench_all(console, output, full=full))
+
+    @app.command()
+    def comparison(
+        *,
+        output: Output = FOLDER,
+        scenes: Annotated[
+            Path, typer.Option(metavar="DIR", help="Where the scenes of the comparison are.")
+        ] = Path("scenes/comparison"),
+        only: Annotated[str, typer.Option(metavar="A,B", help="Only these scenes.")] = "",
+        quiet: Quiet = False,
+        verbose: Verbose = False,
+    ) -> None:
+        """Set the planner beside its rivals, as fast as agents can go.
+
+        Writes comparison.csv and comparison.md: makespans, accelerations and clearances of this
+        planner and of those that are installed of RVO2, JuPedSim, OMPL and CasADi
+        (pip install 'stplan[rivals]').
+
+        \b
+        Examples:
+          stplan bench comparison
+          stplan bench comparison --only gap,lane -o outputs/bench
+        """
+        serve(
+            quiet, verbose, False,
+            lambda console: bench_comparison(console, output, scenes, only.split(",")),
+        )  # fmt: skip
 
     @app.command()
     def figures(
