@@ -108,10 +108,10 @@ def _head(figure: Figure, view: RunView) -> None:
         key=lambda moment: moment.clearance,
         default=None,
     )
-    title = view.name + (f" — {view.description}" if view.description else "")
+    title = view.title + (f" — {view.description}" if view.description else "")
     figure.suptitle(title, x=0.012, y=0.992, ha="left", fontsize=13, fontweight="bold")
     facts = [f"{view.num_agents} agents" if view.num_agents > 1 else "one agent"]
-    facts.append(f"all there after {view.end:.4g} s")
+    facts.append(f"all arrived after {view.end:.4g} s")
     colour = MUTED
     if tightest is not None:
         facts.append(f"smallest clearance {metres(tightest.clearance)} at {tightest.time:.4g} s")

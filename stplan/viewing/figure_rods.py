@@ -27,7 +27,7 @@ def draw_rods(axes: Axes3D, view: RunView) -> None:
     axes.set_ylim(ymin, ymax)
     axes.set_zlim(view.begin, max(view.end, view.begin + 1e-9))
     wide = max(xmax - xmin, ymax - ymin)
-    axes.set_box_aspect((xmax - xmin, ymax - ymin, _HEIGHT * wide), zoom=1.25)
+    axes.set_box_aspect((xmax - xmin, ymax - ymin, _HEIGHT * wide), zoom=1.1)
     axes.view_init(elev=24, azim=-58)
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.pane.set_visible(False)

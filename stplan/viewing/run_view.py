@@ -31,6 +31,7 @@ class RunView:
 
     Attributes:
         name, description: the scene's, or the folder's name and nothing.
+        title: the name, and whether these are only the initial curves.
         lines: the curves.
         seed: the initial curves, None where they are not in the folder or are what is shown.
         radii: (A,) m.
@@ -45,6 +46,7 @@ class RunView:
     """
 
     name: str
+    title: str
     description: str
     lines: WorldLines
     seed: WorldLines | None
@@ -138,7 +140,7 @@ def open_run(path: Path, scene_file: Path | None = None) -> RunView:
             raise UsageError(
                 f"{file}: the radii are neither in it nor in a scene; name the scene: --scene FILE"
             )
-        return _without_scene(folder, lines, seed, radii, time_scale, tuple(notes))
+        return _without_scene(file, lines, seed, radii, time_scale, tuple(notes))
     place = {agent.id: a for a, agent in enumerate(scene.agents)}
     order = np.array([place[agent_id] for agent_id in lines.agent_ids])
     agents = [scene.agents[a] for a in order]
@@ -146,6 +148,7 @@ def open_run(path: Path, scene_file: Path | None = None) -> RunView:
     square = np.ix_(order, order)
     return RunView(
         name=scene.name,
+        title=_title(scene.name, file),
         description=scene.description,
         lines=lines,
         seed=seed,
@@ -192,6 +195,10 @@ def _scene_of(folder: Path, notes: list[str]) -> Scene | None:
     return scene
 
 
+def _title(name: str, file: Path) -> str:
+    return f"{name}, initial curves" if file.stem == "seed" else name
+
+
 def _sizes(file: Path, lines: WorldLines) -> tuple[FloatArray | None, float | None]:
     """Radii and time scale as they were when planned, from the .npz itself or beside the .csv."""
     source = file.with_suffix(".npz")
@@ -204,7 +211,7 @@ def _sizes(file: Path, lines: WorldLines) -> tuple[FloatArray | None, float | No
 
 
 def _without_scene(
-    folder: Path,
+    file: Path,
     lines: WorldLines,
     seed: WorldLines | None,
     radii: FloatArray,
@@ -212,8 +219,10 @@ def _without_scene(
     notes: tuple[str, ...],
 ) -> RunView:
     count = lines.num_agents
+    name = file.resolve().parent.name
     return RunView(
-        name=folder.resolve().name,
+        name=name,
+        title=_title(name, file),
         description="",
         lines=lines,
         seed=seed,
