@@ -22,7 +22,7 @@ from stplan.compiled import compiled_before
 from stplan.errors import SceneError, SeedingError
 from stplan.files.json_file import json_bytes
 from stplan.files.trajectories import write_files
-from stplan.optimize.continuation import Optimisation, optimise
+from stplan.optimize.continuation import LiveLine, Optimisation, optimise
 from stplan.optimize.ipopt import versions as ipopt_versions
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Seed, find_seed
@@ -71,9 +71,12 @@ _ADVICE = {
 _EXIT = {"converged": 0, "seeded": 0, "limit": 0, "interrupted": 130, "failed": 4, "broken": 4}
 
 
-def plan(scene: Scene, *, progress: Progress | None = None) -> Plan:
+def plan(
+    scene: Scene, *, progress: Progress | None = None, live: LiveLine | None = None
+) -> Plan:
     """Plan `scene`: find a seed, optimise it, certify the result.
 
+    While optimising, `live` is given a maker of a progress line after every iteration of Ipopt.
     Interrupted (SIGINT, SIGTERM) while optimising, it returns the best feasible curves so far.
 
     Raises:
@@ -86,7 +89,7 @@ def plan(scene: Scene, *, progress: Progress | None = None) -> Plan:
     free_space, seed, seed_certificate = _seeded(scene, say, clock)
     with _interruptible() as interrupted:
         outcome = optimise(
-            scene, free_space, seed.world_lines, progress=say, interrupted=interrupted
+            scene, free_space, seed.world_lines, progress=say, interrupted=interrupted, live=live
         )
     clock.lap("optimise")
     certificate = certify(scene, free_space, outcome.world_lines)

@@ -24,6 +24,8 @@ from stplan.scene.model import Scene
 from stplan.world import FreeSpace
 from stplan.world_lines import KnotLayout, WorldLines
 
+LiveLine = Callable[[Callable[[], str]], None]
+
 # A stale structure is rebuilt after at least this many iterations.
 REBUILD_EVERY = 4
 # Relative padding of all distances; halved clearance of the seed where that is less.
@@ -101,12 +103,14 @@ def optimise(
     *,
     progress: Callable[[str], None],
     interrupted: Callable[[], bool],
+    live: LiveLine | None = None,
 ) -> Optimisation:
     """Make `seed` smooth and cheap by the paper's outer loop.
 
     Args:
         progress: called with one line an outer iteration.
         interrupted: asked after every iteration; True ends with the best feasible curves.
+        live: given a maker of the same line after every iteration, to be called at once or not at all.
     """
     layout = KnotLayout.from_offsets(seed.offsets)
     interactions = scene_interactions(scene)
@@ -120,7 +124,7 @@ def optimise(
         padding=0.0,
     )
     setting = _padded(setting, seed.knots)
-    loop = _Loop(setting, seed.knots, progress, interrupted)
+    loop = _Loop(setting, seed.knots, progress, interrupted, live)
     loop.run()
     return loop.result(seed)
 
@@ -128,12 +132,15 @@ def optimise(
 def _padded(setting: Setting, knots: FloatArray) -> Setting:
     """The setting with as much padding as the seed's clearance allows."""
     terms = Assembly(setting).interaction_terms(knots, 0.0)
-    least = min(
-        (term.least_clearance(knots) for term in terms if isinstance(term, ContactTerm)),
-        default=np.inf,
-    )
+    least = _least_clearance(terms, knots)
     widest = float(setting.interactions.distance.max())
     return replace(setting, padding=float(min(PADDING, 0.5 * max(least, 0.0) / widest)))
+
+
+def _least_clearance(terms: Sequence[Term], knots: FloatArray) -> float:
+    """Smallest clearance that a barrier sees, m; inf where there are no barriers."""
+    contacts = [term for term in terms if isinstance(term, ContactTerm)]
+    return min((term.least_clearance(knots) for term in contacts), default=float("inf"))
 
 
 class _Loop:
@@ -143,12 +150,14 @@ class _Loop:
         knots: FloatArray,
         progress: Callable[[str], None],
         interrupted: Callable[[], bool],
+        live: LiveLine | None,
     ) -> None:
         self._setting = setting
         self._assembly = Assembly(setting)
         self._knots = knots
         self._progress = progress
         self._interrupted = interrupted
+        self._live = live
         self._watch = Stopwatch()
         self._record: list[dict[str, Any]] = []
         self._status = "converged"
@@ -181,7 +190,8 @@ class _Loop:
             if before is None:
                 before = problem.value(self._knots.ravel())
             stop = _Stop(self._setting.scene, problem, self._floor, self._interrupted)
-            outcome = self._solve(problem, left, stop, multipliers, ipopt_mu)
+            watched = self._watched(stop, problem, outer, mu, used)
+            outcome = self._solve(problem, left, watched, multipliers, ipopt_mu)
             self._knots = outcome.knots
             used += outcome.iterations
             left = solver.max_iterations - used
@@ -194,10 +204,7 @@ class _Loop:
         after = problem.value(self._knots.ravel())
         self._terms = problem.terms
         self._status = self._judge(outcome, stop.why, before, after)
-        least = min(
-            (t.least_clearance(self._knots) for t in problem.terms if isinstance(t, ContactTerm)),
-            default=float("inf"),
-        )
+        least = _least_clearance(problem.terms, self._knots)
         self._record.append(
             {
                 "outer_iteration": outer + 1,
@@ -209,16 +216,39 @@ class _Loop:
                 "status": self._status,
             }
         )
-        self._progress(
-            f"outer {outer + 1}/{solver.outer_iterations}  mu {mu:.3g}  objective {after:.6g}  "
-            f"rod clearance {least:.3g} m  {used} iterations  {self._status}"
+        self._progress(f"{self._line(outer, mu, after, least, used)}  {self._status}")
+
+    def _line(self, outer: int, mu: float, objective: float, least: float, used: int) -> str:
+        return (
+            f"outer {outer + 1}/{self._setting.scene.solver.outer_iterations}  mu {mu:.3g}  "
+            f"objective {objective:.6g}  rod clearance {least:.3g} m  {used} iterations"
         )
+
+    def _watched(
+        self, stop: _Stop, problem: Problem, outer: int, mu: float, used: int
+    ) -> Callable[[Iteration], bool]:
+        """`stop`, telling the live line about every iteration where there is one."""
+        live = self._live
+        if live is None:
+            return stop
+
+        def watched(iteration: Iteration) -> bool:
+            over = stop(iteration)
+            live(
+                lambda: self._line(
+                    outer, mu, iteration.objective,
+                    _least_clearance(problem.terms, iteration.knots), used + iteration.number,
+                )
+            )  # fmt: skip
+            return over
+
+        return watched
 
     def _solve(
         self,
         problem: Problem,
         left: int,
-        stop: _Stop,
+        stop: Callable[[Iteration], bool],
         multipliers: Multipliers | None,
         ipopt_mu: float | None,
     ) -> IpoptResult:

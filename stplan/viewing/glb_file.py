@@ -18,7 +18,7 @@ _WALL_HEIGHT = 0.5
 
 
 def glb_bytes(view: RunView, metres_per_second: float | None = None) -> bytes:
-    """One mesh an agent, named by its id, and one of the walls, named ``walls``; lengths in m.
+    """One mesh an agent, named by its id, and one of the walls, named ``map walls`` (no id has a space); lengths in m.
 
     In glTF the second axis points upwards: x stays x, time (from the run's begin) is y, and the map's y is
     -z. Programs whose third axis is up, as Blender, turn that back on reading.
@@ -38,7 +38,7 @@ def glb_bytes(view: RunView, metres_per_second: float | None = None) -> bytes:
         height = _WALL_HEIGHT * float(view.radii.min())
         vertices, triangles = wall_mesh(view.free_space, height)
         walls = _mesh(vertices, triangles, np.array(_WALL_GREY))
-        scene.add_geometry(walls, node_name="walls", geom_name="walls")
+        scene.add_geometry(walls, node_name="map walls", geom_name="map walls")
     content: bytes = scene.export(file_type="glb")
     return content
 
