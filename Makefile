@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 DEMO := scenes/bottleneck/bottleneck.yaml
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check format clean
+.PHONY: help demo test check format clean gallery page
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -29,6 +29,12 @@ check: $(VENV)/.installed-dev ## format, lint, types, layers, then the tests: wh
 format: $(VENV)/.installed-dev ## format the sources and fix what the linter can fix
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
+
+gallery: $(VENV)/.installed-dev ## plan and draw every scene: docs/gallery and the pictures of README
+	$(BIN)/python docs/make_gallery.py
+
+page: ## build the page of `stplan view` from its sources; needs node and npm
+	cd stplan/viewing/page && npm ci --silent --ignore-scripts=false && npm run --silent build
 
 clean: ## remove the virtual environment, caches and outputs
 	rm -rf $(VENV) build dist *.egg-info

@@ -71,9 +71,7 @@ _ADVICE = {
 _EXIT = {"converged": 0, "seeded": 0, "limit": 0, "interrupted": 130, "failed": 4, "broken": 4}
 
 
-def plan(
-    scene: Scene, *, progress: Progress | None = None, live: LiveLine | None = None
-) -> Plan:
+def plan(scene: Scene, *, progress: Progress | None = None, live: LiveLine | None = None) -> Plan:
     """Plan `scene`: find a seed, optimise it, certify the result.
 
     While optimising, `live` is given a maker of a progress line after every iteration of Ipopt.

@@ -10,8 +10,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-import numpy as np
-
 from stplan.arrays import FloatArray
 from stplan.costs.contact_term import ContactTerm
 from stplan.costs.term import Term

@@ -26,8 +26,7 @@ class TightMoment:
 
 def tight_pairs(view: RunView) -> list[TightMoment]:
     """The tightest moment of every pair that keeps its distance, tightest first; exact."""
-    wanted = np.triu(view.collides)
-    count = int(wanted.sum())
+    count = int(np.triu(view.collides).sum())
     pairs = np.empty((count, 2), dtype=np.int64)
     distance = np.empty(count)
     instant = np.empty(count)
@@ -38,11 +37,22 @@ def tight_pairs(view: RunView) -> list[TightMoment]:
     moments = []
     for (a, b), gap, when in zip(pairs.tolist(), distance.tolist(), instant.tolist(), strict=True):
         if np.isfinite(gap):
-            both = positions(lines, view.leaves, np.array([when]))[[a, b], 0]
-            x, y = np.nanmean(both, axis=0).tolist()
             clearance = gap - float(view.distance[a, b])
-            moments.append(TightMoment(a, b, clearance, when, (x, y)))
+            moments.append(TightMoment(a, b, clearance, when, _between(view, a, b, when)))
     return sorted(moments, key=lambda moment: moment.clearance)
+
+
+def _between(view: RunView, a: int, b: int, time: float) -> tuple[float, float]:
+    """The point between two agents that divides their distance as their radii do."""
+    share = float(view.radii[a] / (view.radii[a] + view.radii[b]))
+    first, second = (
+        [float(np.interp(time, curve[:, 2], curve[:, axis])) for axis in range(2)]
+        for curve in (view.lines.curve(a), view.lines.curve(b))
+    )
+    return (
+        first[0] + share * (second[0] - first[0]),
+        first[1] + share * (second[1] - first[1]),
+    )
 
 
 def tight_walls(view: RunView) -> list[TightMoment]:

@@ -56,7 +56,7 @@ LOOK: dict[str, Any] = {
 def outline(geometry: shapely.Geometry) -> Outline:
     """Polygons with holes as one path."""
     corners: list[FloatArray] = []
-    codes: list[int] = []
+    codes: list[Any] = []
     for part in shapely.get_parts(geometry):
         for ring in (part.exterior, *part.interiors):
             points = np.asarray(ring.coords)[:, :2]

@@ -23,7 +23,12 @@ _WIDE = 2.4
 
 
 def figure_bytes(
-    view: RunView, kind: str, *, parts: tuple[str, ...] = PARTS, seed: bool = False, dpi: float = 150.0
+    view: RunView,
+    kind: str,
+    *,
+    parts: tuple[str, ...] = PARTS,
+    seed: bool = False,
+    dpi: float = 150.0,
 ) -> bytes:
     """The figure of `view` as a file of `kind`, one of `FORMATS`.
 
@@ -49,16 +54,12 @@ def draw_figure(view: RunView, *, parts: tuple[str, ...] = PARTS, seed: bool = F
     alone = "map" in parts and (aspect >= _WIDE or "rods" not in parts)
     panels = ["clearance", "speed", "arrivals"] if "time" in parts else []
     above = [name for name in ("map", "rods") if name in parts]
-    rows: list[list[str]] = []
-    if alone and above:
-        rows.append(["map"])
-        if below := [*(["rods"] if "rods" in parts else []), *panels]:
-            rows.append(below)
-    else:
-        rows += [row for row in (above, panels) if row]
+    if alone:
+        above, panels = ["map"], [*above[1:], *panels]
+    rows = [row for row in (above, panels) if row]
     heights = [_row_height(row, aspect) for row in rows]
     figure = Figure(figsize=(_WIDTH, sum(heights) + 0.6), layout="constrained")
-    figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08)  # type: ignore[union-attr,call-arg]
+    figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08)
     bands = figure.subfigures(len(rows), 1, height_ratios=heights, squeeze=False)[:, 0]
     labels = []
     for band, row in zip(bands, rows, strict=True):
@@ -116,6 +117,4 @@ def _head(figure: Figure, view: RunView) -> None:
     if tightest is not None:
         facts.append(f"smallest clearance {metres(tightest.clearance)} at {tightest.time:.4g} s")
         colour = MUTED if tightest.clearance > 0 else WARNING
-    figure.text(
-        0.988, 0.995, ", ".join(facts), ha="right", va="top", fontsize=9.5, color=colour
-    )
+    figure.text(0.988, 0.995, ", ".join(facts), ha="right", va="top", fontsize=9.5, color=colour)

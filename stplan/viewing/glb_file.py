@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import trimesh
 
-from stplan.arrays import FloatArray
+from stplan.arrays import FloatArray, IntArray
 from stplan.viewing.palette import agent_colours
 from stplan.viewing.rods import rod_curve, rod_mesh
 from stplan.viewing.run_view import RunView
@@ -18,7 +18,7 @@ _WALL_HEIGHT = 0.5
 
 
 def glb_bytes(view: RunView, metres_per_second: float | None = None) -> bytes:
-    """One mesh an agent, named by its id, and one of the walls, named ``map walls`` (no id has a space); lengths in m.
+    """One mesh an agent, named by its id, and one of the walls, named ``map walls``; lengths in m.
 
     In glTF the second axis points upwards: x stays x, time (from the run's begin) is y, and the map's y is
     -z. Programs whose third axis is up, as Blender, turn that back on reading.
@@ -43,17 +43,18 @@ def glb_bytes(view: RunView, metres_per_second: float | None = None) -> bytes:
     return content
 
 
-def wall_mesh(free_space: FreeSpace, height: float) -> tuple[FloatArray, FloatArray]:
+def wall_mesh(free_space: FreeSpace, height: float) -> tuple[FloatArray, IntArray]:
     """A frame of upright walls along the boundary, `height` m high: vertices and triangles."""
     ends = free_space.boundary_segments.reshape(-1, 2, 2)
     low = np.concatenate([ends, np.zeros((len(ends), 2, 1))], axis=2)
-    vertices = np.concatenate([low, low + [0.0, 0.0, height]], axis=1).reshape(-1, 3)
-    base = 4 * np.arange(len(ends))[:, None]
-    triangles = np.concatenate([base + [0, 1, 3], base + [0, 3, 2]]).astype(np.int64)
+    high = low + np.array([0.0, 0.0, height])
+    vertices = np.concatenate([low, high], axis=1).reshape(-1, 3)
+    base = 4 * np.arange(len(ends))[:, None, None]
+    triangles = (base + np.array([[0, 1, 3], [0, 3, 2]])).reshape(-1, 3)
     return vertices, triangles
 
 
-def _mesh(vertices: FloatArray, triangles: FloatArray, colour: FloatArray) -> trimesh.Trimesh:
+def _mesh(vertices: FloatArray, triangles: IntArray, colour: FloatArray) -> trimesh.Trimesh:
     turned = np.column_stack([vertices[:, 0], vertices[:, 2], -vertices[:, 1]])
     material = trimesh.visual.material.PBRMaterial(
         baseColorFactor=[*np.rint(255 * colour).astype(int).tolist(), 255],

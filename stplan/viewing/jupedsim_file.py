@@ -21,9 +21,7 @@ def jupedsim_bytes(view: RunView, fps: float = 25.0) -> bytes:
     lines = [f"#framerate: {fps:g}", "#ID\tFR\tx/m\ty/m\tz/m"]
     for a in range(view.num_agents):
         there = np.flatnonzero(~np.isnan(places[a, :, 0])).tolist()
-        lines += [
-            f"{a + 1}\t{k}\t{places[a, k, 0]:.9f}\t{places[a, k, 1]:.9f}\t0" for k in there
-        ]
+        lines += [f"{a + 1}\t{k}\t{places[a, k, 0]:.9f}\t{places[a, k, 1]:.9f}\t0" for k in there]
     lines += [f"#id {a + 1}: {name}" for a, name in enumerate(view.lines.agent_ids)]
     if view.free_space is not None:
         lines.append(f"#geometry: {shapely.to_wkt(view.free_space.polygon, rounding_precision=9)}")

@@ -35,4 +35,6 @@ def nice_step(span: float, most: int) -> float:
         return 1.0
     rough = span / most
     power = 10.0 ** np.floor(np.log10(rough))
-    return float(next(power * factor for factor in (1, 2, 5, 10) if power * factor >= rough * 0.999))
+    return float(
+        next(power * factor for factor in (1, 2, 5, 10) if power * factor >= rough * 0.999)
+    )

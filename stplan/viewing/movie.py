@@ -6,6 +6,7 @@ import io
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import imageio_ffmpeg
 import numpy as np
@@ -62,7 +63,9 @@ def frame_times(begin: float, end: float, fps: float, speed: float) -> FloatArra
     return np.append(moving, np.full(round(_HOLD * fps), end))
 
 
-def _told(frames: Frames, count: int, progress: Callable[[str], None]) -> Iterator[NDArray[np.uint8]]:
+def _told(
+    frames: Frames, count: int, progress: Callable[[str], None]
+) -> Iterator[NDArray[np.uint8]]:
     for number, frame in enumerate(frames, start=1):
         progress(f"frame {number} of {count}")
         yield frame
@@ -84,10 +87,10 @@ def _mp4(frames: Frames, size: tuple[int, int], fps: float) -> bytes:
 
 
 def _pillow(frames: Frames, kind: str, fps: float) -> bytes:
-    images = (Image.fromarray(frame).convert("RGB") for frame in frames)
+    images: Iterator[Image.Image] = (Image.fromarray(frame).convert("RGB") for frame in frames)
     if kind == "gif":
         images = _with_one_palette(images)
-        options = {"optimize": False, "disposal": 1}
+        options: dict[str, Any] = {"optimize": False, "disposal": 1}
     else:
         options = {"quality": 72, "method": 4}
     first = next(images)

@@ -45,7 +45,10 @@ def page_content(view: RunView) -> dict[str, Any]:
         "end": view.end,
         "bounds": list(view.bounds),
         "map": _rings(view),
-        "agents": [_agent(view, a, colour, waiting) for a, colour in enumerate(hex_colours(view.num_agents))],
+        "agents": [
+            _agent(view, a, colour, waiting)
+            for a, colour in enumerate(hex_colours(view.num_agents))
+        ],
         "seed": _seed(view),
         "moments": [_moment(moment) for moment in moments],
         "clearance": _clearance(view),

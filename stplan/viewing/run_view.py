@@ -172,7 +172,9 @@ def _file_of_curves(path: Path, notes: list[str]) -> Path:
         return path
     found = [path / name for name in _CURVES if (path / name).is_file()]
     if not found:
-        raise UsageError(f"{path}: holds no trajectories.npz, trajectories.csv, seed.npz or seed.csv")
+        raise UsageError(
+            f"{path}: holds no trajectories.npz, trajectories.csv, seed.npz or seed.csv"
+        )
     if found[0].stem == "seed":
         notes.append(f"{path} holds initial curves only; these are drawn")
     return found[0]

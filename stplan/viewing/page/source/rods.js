@@ -4,7 +4,7 @@ import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { colours, fit } from "./theme.js";
 
-const SIDES = 14;
+const SIDES = 12;
 // Height of the picture over the map's longer side.
 const HEIGHT = 0.8;
 
@@ -48,14 +48,25 @@ export class Rods {
 
   addCamera() {
     const [xmin, ymin, xmax, ymax] = this.run.bounds;
-    const middle = new THREE.Vector3((xmin + xmax) / 2, (ymin + ymax) / 2, 0.36 * this.size);
+    const middle = new THREE.Vector3((xmin + xmax) / 2, (ymin + ymax) / 2, 0.4 * HEIGHT * this.size);
     this.camera = new THREE.PerspectiveCamera(32, 1, this.size / 100, this.size * 20);
     this.camera.up.set(0, 0, 1);
-    this.camera.position.copy(middle).add(new THREE.Vector3(-1.1, -2.1, 1.05).multiplyScalar(this.size));
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.target.copy(middle);
     this.controls.addEventListener("change", () => { this.dirty = true; });
+    this.canvas.addEventListener("dblclick", () => this.showAll());
+  }
+
+  /** Look from the front left, from where everything fits into the picture. */
+  showAll() {
+    const [xmin, ymin, xmax, ymax] = this.run.bounds;
+    const radius = Math.hypot(xmax - xmin, ymax - ymin, HEIGHT * this.size) / 2;
+    const upright = Math.tan((this.camera.fov * Math.PI) / 360);
+    const half = Math.atan(upright * Math.min(1, this.camera.aspect));
+    const away = new THREE.Vector3(-0.42, -0.8, 0.4).normalize().multiplyScalar(radius / Math.sin(half));
+    this.camera.position.copy(this.controls.target).add(away.multiplyScalar(0.97));
     this.controls.update();
+    this.dirty = true;
   }
 
   addMap() {
@@ -157,9 +168,9 @@ export class Rods {
     this.below = new THREE.Plane(new THREE.Vector3(0, 0, -1), 0);
     this.above = new THREE.Plane(new THREE.Vector3(0, 0, 1), 0);
     const material = (plane, opacity) =>
-      new THREE.MeshStandardMaterial({
-        vertexColors: true, roughness: 0.75, clippingPlanes: [plane], opacity,
-        transparent: opacity < 1, depthWrite: opacity > 0.2, side: THREE.DoubleSide,
+      new THREE.MeshLambertMaterial({
+        vertexColors: true, clippingPlanes: [plane], opacity, transparent: opacity < 1,
+        depthWrite: opacity > 0.2,
       });
     this.past = new THREE.Mesh(geometry, [material(this.below, 1), material(this.below, 0.05)]);
     this.future = new THREE.Mesh(geometry, [material(this.above, 0.3), material(this.above, 0.05)]);
@@ -181,7 +192,7 @@ export class Rods {
     this.frame = new THREE.LineSegments(new THREE.EdgesGeometry(sheet), new THREE.LineBasicMaterial());
     this.time.add(this.sheet, this.frame);
     this.discs = new THREE.InstancedMesh(
-      new THREE.CircleGeometry(1, 40),
+      new THREE.CircleGeometry(1, 24),
       new THREE.MeshBasicMaterial({ side: THREE.DoubleSide }),
       this.run.agents.length,
     );
@@ -262,7 +273,8 @@ export class Rods {
       this.renderer.setViewport(0, 0, this.canvas.width, this.canvas.height);
       this.camera.aspect = this.canvas.width / this.canvas.height;
       this.camera.updateProjectionMatrix();
-      this.dirty = true;
+      if (!this.placed) this.showAll();
+      this.placed = this.dirty = true;
     }
     if (!this.dirty) return;
     this.dirty = false;
