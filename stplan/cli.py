@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import signal
 import sys
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Sequence
 from pathlib import Path
 from types import FrameType
 from typing import Annotated
 
 import typer
 
+from stplan import cli_viewing
+from stplan.cli_options import Json, Output, Overrides, Quiet, ScenePaths, Verbose
+from stplan.cli_options import serve as _serve
 from stplan.commands import (
     bench_seeding,
     check_trajectories,
@@ -20,9 +22,7 @@ from stplan.commands import (
     print_schema,
     validate_scenes,
 )
-from stplan.errors import UsageError
-from stplan.reporting import Console, failure, write
-from stplan.viewing_commands import animate_runs, export_run, plot_run, view_run
+from stplan.reporting import write
 
 _EXIT_STATUSES = """\b
 Exit status:
@@ -53,32 +53,7 @@ benchmarks = typer.Typer(
     rich_markup_mode=None,
 )
 app.add_typer(benchmarks)
-
-ScenePaths = Annotated[list[Path], typer.Argument(metavar="SCENE", help="Scene files (YAML).")]
-Output = Annotated[
-    Path,
-    typer.Option("--output", "-o", metavar="DIR", help="Results go to DIR/NAME/."),
-]
-Overrides = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set", metavar="KEY=VALUE", help="Override a value of the scene; may be repeated."
-    ),
-]
-RunPath = Annotated[
-    Path, typer.Argument(metavar="RUN", help="Folder of a run, or a .npz or .csv in it.")
-]
-Picture = Annotated[
-    Path | None,
-    typer.Option("--output", "-o", metavar="FILE", help="The file to write.", show_default=False),
-]
-SceneOfRun = Annotated[
-    Path | None,
-    typer.Option("--scene", metavar="SCENE", help="The scene, where the run's own is lost."),
-]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")]
-Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say more.")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
+app.add_typer(cli_viewing.app)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -251,135 +226,6 @@ def schema() -> None:
     _serve(False, False, True, print_schema)
 
 
-@app.command()
-def plot(
-    run: RunPath,
-    *,
-    output: Picture = None,
-    show: Annotated[
-        str, typer.Option(metavar="PART,...", help="Any of map, time and rods.")
-    ] = "map,time,rods",
-    seed: Annotated[bool, typer.Option("--seed", help="Draw the initial curves too.")] = False,
-    dpi: Annotated[float, typer.Option(help="Pixels an inch.")] = 150.0,
-    scene: SceneOfRun = None,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-    as_json: Json = False,
-) -> None:
-    """Draw a run: map, clearance and speed over time, rods in space and time.
-
-    PNG, SVG or PDF by the name of FILE; RUN/plot.png unless told.
-
-    \b
-    Examples:
-      stplan plot outputs/bottleneck
-      stplan plot outputs/bottleneck --seed --show map -o bottleneck.svg
-    """
-    _serve(
-        quiet, verbose, as_json,
-        lambda console: plot_run(
-            console, run, output, scene, show.split(","), seed=seed, dpi=dpi
-        ),
-    )  # fmt: skip
-
-
-@app.command()
-def animate(
-    runs: Annotated[
-        list[Path],
-        typer.Argument(metavar="RUN...", help="Folders of runs, or .npz or .csv files in them."),
-    ],
-    *,
-    output: Picture = None,
-    fps: Annotated[float, typer.Option(help="Frames a second.")] = 25.0,
-    speed: Annotated[
-        float | None,
-        typer.Option(
-            help="Seconds of the run in a second.  [default: 1, or as much as makes 12 s]"
-        ),
-    ] = None,
-    size: Annotated[
-        str, typer.Option(metavar="WIDTH[xHEIGHT]", help="Pixels; the height follows the map.")
-    ] = "960",
-    scene: SceneOfRun = None,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-    as_json: Json = False,
-) -> None:
-    """Make a movie of a run, or of several side by side.
-
-    MP4, GIF or WebP by the name of FILE; RUN/movie.mp4 unless told.
-
-    \b
-    Examples:
-      stplan animate outputs/bottleneck
-      stplan animate outputs/bottleneck/seed.npz outputs/bottleneck -o both.webp
-      stplan animate outputs/bottleneck --speed 2 --fps 20 --size 1280x720 -o talk.gif
-    """
-    _serve(
-        quiet, verbose, as_json,
-        lambda console: animate_runs(
-            console, runs, output, scene, fps=fps, speed=speed, size=size
-        ),
-    )  # fmt: skip
-
-
-@app.command()
-def view(
-    run: RunPath,
-    *,
-    output: Picture = None,
-    scene: SceneOfRun = None,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-    as_json: Json = False,
-) -> None:
-    """Write an interactive page of a run: one HTML file that needs no network.
-
-    The map with playback, the rods in space and time, every agent's numbers and the tightest
-    moments. RUN/view.html unless told.
-
-    \b
-    Example:
-      stplan view outputs/bottleneck
-    """
-    _serve(quiet, verbose, as_json, lambda console: view_run(console, run, output, scene))
-
-
-@app.command()
-def export(
-    run: RunPath,
-    *,
-    form: Annotated[
-        str, typer.Option("--format", metavar="FORMAT", help="glb or jupedsim.")
-    ] = "glb",
-    output: Picture = None,
-    fps: Annotated[float, typer.Option(help="Frames a second in trajectory text.")] = 25.0,
-    pace: Annotated[
-        float | None,
-        typer.Option(help="Height of a second in a GLB, m.  [default: the scene's time_scale]"),
-    ] = None,
-    scene: SceneOfRun = None,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-    as_json: Json = False,
-) -> None:
-    """Write a run for other programs.
-
-    glb: rods and walls for Blender and other 3D programs. jupedsim: trajectory text for PedPy and
-    JuPedSim. RUN/rods.glb or RUN/jupedsim.txt unless told.
-
-    \b
-    Examples:
-      stplan export outputs/bottleneck
-      stplan export outputs/bottleneck --format jupedsim --fps 10 -o bottleneck.txt
-    """
-    _serve(
-        quiet, verbose, as_json,
-        lambda console: export_run(console, run, output, scene, form=form, fps=fps, pace=pace),
-    )  # fmt: skip
-
-
 @benchmarks.callback()
 def _benchmarks() -> None:
     """Measure the planner on generated scenes."""
@@ -429,17 +275,3 @@ def bench_seeding_command(
 def _interrupt(number: int, frame: FrameType | None) -> None:
     del number, frame
     raise KeyboardInterrupt
-
-
-def _serve(quiet: bool, verbose: bool, as_json: bool, work: Callable[[Console], int]) -> None:
-    """Do a command's work and leave with its exit status; no exception passes."""
-    try:
-        console = Console(quiet, verbose, as_json)
-        status = work(console)
-    except (Exception, KeyboardInterrupt) as error:
-        status, messages = failure(error)
-        console = Console(as_json=as_json)
-        console.error(*messages)
-        with suppress(UsageError):  # A full disk behind stdout: the messages above say enough.
-            console.result_json({"exit_status": status, "messages": messages})
-    raise typer.Exit(status)

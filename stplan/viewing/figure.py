@@ -53,9 +53,9 @@ def draw_figure(view: RunView, *, parts: tuple[str, ...] = PARTS, seed: bool = F
     aspect = (xmax - xmin) / max(ymax - ymin, 1e-9)
     alone = "map" in parts and (aspect >= _WIDE or "rods" not in parts)
     panels = ["clearance", "speed", "arrivals"] if "time" in parts else []
-    above = [name for name in ("map", "rods") if name in parts]
+    above: list[str] = [name for name in ("map", "rods") if name in parts]
     if alone:
-        above, panels = ["map"], [*above[1:], *panels]
+        above, panels = above[:1], above[1:] + panels
     rows = [row for row in (above, panels) if row]
     heights = [_row_height(row, aspect) for row in rows]
     figure = Figure(figsize=(_WIDTH, sum(heights) + 0.6), layout="constrained")
