@@ -42,7 +42,8 @@ def plot(
 ) -> None:
     """Draw a run.
 
-    Its map, clearance and speed over time, and its rods in space and time. PNG, SVG or PDF by the name of FILE; RUN/plot.png unless told.
+    Its map, clearance and speed over time, and its rods in space and time. PNG, SVG or PDF by the
+    name of FILE; RUN/plot.png unless told.
 
     \b
     Examples:
@@ -110,8 +111,8 @@ def view(
 ) -> None:
     """Write an interactive page of a run.
 
-    One HTML file that needs no network: the map with playback, the rods in space and time, every agent's numbers and the tightest
-    moments. RUN/view.html unless told.
+    One HTML file that needs no network: the map with playback, the rods in space and time, every
+    agent's numbers and the tightest moments. RUN/view.html unless told.
 
     \b
     Example:

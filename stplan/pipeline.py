@@ -9,7 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
@@ -24,6 +24,7 @@ from stplan.files.json_file import json_bytes
 from stplan.files.trajectories import write_files
 from stplan.optimize.continuation import LiveLine, Optimisation, optimise
 from stplan.optimize.ipopt import versions as ipopt_versions
+from stplan.optimize.settle import settle
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Seed, find_seed
 from stplan.smooth_distance.segments import squared_distance
@@ -148,8 +149,11 @@ def _seeded(
     if not compiled_before(squared_distance):
         say("compiling, once after installation: this takes about a quarter of a minute")
     found = find_seed(scene, free_space, progress=say)
+    with _interruptible() as interrupted:
+        lines = settle(scene, free_space, found.world_lines, progress=say, interrupted=interrupted)
+    found = replace(found, world_lines=lines)
     clock.lap("seed")
-    certificate = certify(scene, free_space, found.world_lines)
+    certificate = certify(scene, free_space, lines)
     clock.lap("certify")
     if not certificate.holds:
         raise SeedingError(

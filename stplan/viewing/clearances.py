@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stplan.arrays import FloatArray
-from stplan.certify.pair_clearance import least_distances
+from stplan.arrays import FloatArray, IntArray
+from stplan.certify.pair_clearance import nearest_moments
 from stplan.certify.wall_clearance import time_at, wall_distance
 from stplan.viewing.motion import positions
 from stplan.viewing.run_view import RunView
@@ -26,33 +26,37 @@ class TightMoment:
 
 def tight_pairs(view: RunView) -> list[TightMoment]:
     """The tightest moment of every pair that keeps its distance, tightest first; exact."""
-    count = int(np.triu(view.collides).sum())
-    pairs = np.empty((count, 2), dtype=np.int64)
-    distance = np.empty(count)
-    instant = np.empty(count)
-    lines = view.lines
-    least_distances(
-        lines.knots, lines.offsets, view.leaves, view.collides, pairs, distance, instant
-    )
-    moments = []
-    for (a, b), gap, when in zip(pairs.tolist(), distance.tolist(), instant.tolist(), strict=True):
-        if np.isfinite(gap):
-            clearance = gap - float(view.distance[a, b])
-            moments.append(TightMoment(a, b, clearance, when, _between(view, a, b, when)))
+    found = nearest_moments(view.lines, view.leaves, view.collides)
+    together = np.isfinite(found.distance)
+    a, b = found.pairs[together].T
+    time = found.instant[together]
+    clearance = found.distance[together] - view.distance[a, b]
+    place = _between(view, a, b, time)
+    moments = [
+        TightMoment(*row)
+        for row in zip(
+            a.tolist(), b.tolist(), clearance.tolist(), time.tolist(), place, strict=True
+        )
+    ]
     return sorted(moments, key=lambda moment: moment.clearance)
 
 
-def _between(view: RunView, a: int, b: int, time: float) -> tuple[float, float]:
-    """The point between two agents that divides their distance as their radii do."""
-    share = float(view.radii[a] / (view.radii[a] + view.radii[b]))
-    first, second = (
-        [float(np.interp(time, curve[:, 2], curve[:, axis])) for axis in range(2)]
-        for curve in (view.lines.curve(a), view.lines.curve(b))
-    )
-    return (
-        first[0] + share * (second[0] - first[0]),
-        first[1] + share * (second[1] - first[1]),
-    )
+def _between(
+    view: RunView, a: IntArray, b: IntArray, time: FloatArray
+) -> list[tuple[float, float]]:
+    """The points (P,) between pairs of agents that divide their distance as their radii do."""
+    curves = list(view.lines.curves())
+    ends = [
+        [
+            [np.interp(when, curves[agent][:, 2], curves[agent][:, axis]) for axis in range(2)]
+            for agent, when in zip(agents.tolist(), time.tolist(), strict=True)
+        ]
+        for agents in (a, b)
+    ]
+    first, second = np.array(ends).reshape(2, -1, 2)
+    share = view.radii[a] / (view.radii[a] + view.radii[b])
+    points = first + share[:, None] * (second - first)
+    return [(x, y) for x, y in points.tolist()]
 
 
 def tight_walls(view: RunView) -> list[TightMoment]:

@@ -44,6 +44,9 @@ def test_defaults():
             "wall": 1,
         },
         "path": None,
+        "max_speed": None,
+        "max_acceleration": None,
+        "visits": (),
     }
     assert (scene.name, scene.description, scene.map, scene.pairs) == ("scene", "", None, ())
     assert (scene.time_scale, scene.horizon, scene.final_time) == (1, 20, 20)

@@ -1,0 +1,87 @@
+"""Movies, read back: size, number and pace of frames, and that discs are where agents are."""
+
+from __future__ import annotations
+
+import io
+
+import imageio_ffmpeg
+import numpy as np
+import pytest
+from PIL import Image
+
+from stplan.viewing.movie import LONGEST, frame_times, movie_bytes
+from stplan.viewing.movie_frames import Film
+from stplan.viewing.palette import agent_colours
+from stplan.viewing.run_view import open_run
+from tests.viewing.runs import hall_run
+
+
+@pytest.fixture
+def view(tmp_path):
+    return open_run(hall_run(tmp_path))
+
+
+def _places_of(picture: np.ndarray, colour: np.ndarray) -> np.ndarray:
+    """(N, 2) columns and rows of pixels of this hue: discs are drawn pale over the floor."""
+    pale = 0.78 * 255 * colour + 0.22 * 255
+    rows, columns = np.nonzero(np.abs(picture[..., :3].astype(int) - pale).max(axis=2) <= 6)
+    return np.column_stack([columns, rows])
+
+
+def test_discs_are_where_agents_are_at_true_size(view):
+    film = Film([view], ["hall"], (1000, 660), "")
+    ann, _, cat = agent_colours(3)
+    early, late = film.frame(2.0), film.frame(6.0)
+    assert early.shape == (660, 1000, 4)
+    places = [_places_of(picture, ann) for picture in (early, late)]
+    # ann goes 4 m to the right; the map with its margins is 10.5 m wide on 980 pixels.
+    scale = np.ptp(places[0][:, 0]) / 0.6
+    assert scale == pytest.approx(560 / 6.5, rel=0.1)
+    moved = places[1].mean(axis=0) - places[0].mean(axis=0)
+    assert moved[0] / scale == pytest.approx(4.0, abs=0.15)
+    assert abs(moved[1]) < 2
+    # cat is not there before its start.
+    assert len(_places_of(film.frame(0.5), cat)) < 0.1 * len(_places_of(early, cat))
+
+
+def test_mp4(view, tmp_path):
+    said = []
+    content = movie_bytes(
+        [view], ["hall"], "mp4", fps=5, speed=3.0, size=(321, None), progress=said.append
+    )
+    path = tmp_path / "movie.mp4"
+    path.write_bytes(content)
+    reader = imageio_ffmpeg.read_frames(str(path))
+    facts = next(reader)
+    frames = [np.frombuffer(frame, np.uint8).astype(int) for frame in reader]
+    assert facts["size"][0] == 322
+    assert facts["fps"] == 5.0
+    # 9 s at three times their speed, and a second of standing still.
+    assert len(frames) == 16 + 5
+    assert said[-1] == "frame 21 of 21"
+    assert np.abs(frames[0] - frames[8]).max() > 100
+    assert np.abs(frames[-1] - frames[-2]).max() < 40
+
+
+@pytest.mark.parametrize("kind", ["gif", "webp"])
+def test_gif_and_webp(view, kind):
+    content = movie_bytes([view, view], ["a", "b"], kind, fps=10, speed=9.0, size=(400, 200))
+    with Image.open(io.BytesIO(content)) as movie:
+        assert movie.format == kind.upper()
+        assert movie.size == (400, 200)
+        assert movie.n_frames >= 11
+        first = np.asarray(movie.convert("RGB")).astype(int)
+        movie.seek(5)
+        later = np.asarray(movie.convert("RGB")).astype(int)
+        assert movie.info["duration"] == 100
+    changed = np.abs(first - later).max(axis=2) > 60
+    # Both halves move, and alike: it is the same run twice.
+    assert changed[:, :200].sum() == pytest.approx(changed[:, 200:].sum(), rel=0.25)
+    assert changed[40:160, :200].sum() > 100
+
+
+def test_long_runs_are_shown_faster():
+    times = frame_times(0.0, 90.0, 10.0, 90.0 / LONGEST)
+    assert len(times) == 10 * LONGEST + 1 + 10
+    assert times[-1] == times[-11] == 90.0
+    assert frame_times(2.0, 5.0, 2.0, 1.0)[:3].tolist() == [2.0, 2.5, 3.0]
