@@ -24,13 +24,13 @@ defaults: {radius: 0.3}
 agents:
   - {id: ann, start: [-4.0, 0.0], goal: [4.0, 0.0], preferred_time: 7.0, weights: {arrival: 1.0}}
   - {id: ben, start: [0.0, -2.5], goal: [0.0, 1.5], waypoints: [[0.0, -1.0]], radius: 0.4}
-  - {id: cat, start: [4.0, 2.0], goal: [-4.0, -2.5], start_time: 1.0, after_arrival: vanish}
+  - {id: cat, start: [4.0, -2.0], goal: [-4.0, -2.5], start_time: 1.0, after_arrival: vanish}
 """
 # ann is in the middle of the map at 4 s; ben waits for her there, from 1.5 s to 5 s.
 CURVES = [
     np.array([[-4.0, 0.0, 0.0], [4.0, 0.0, 8.0]]),
     np.array([[0.0, -2.5, 0.0], [0.0, -1.0, 1.5], [0.0, -0.9, 5.0], [0.0, 1.5, 7.0]]),
-    np.array([[4.0, 2.0, 1.0], [-1.0, -1.8, 6.0], [-4.0, -2.5, 9.0]]),
+    np.array([[4.0, -2.0, 1.0], [-1.0, -2.4, 6.0], [-4.0, -2.5, 9.0]]),
 ]
 
 

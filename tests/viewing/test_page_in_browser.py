@@ -47,7 +47,7 @@ def opened(browser: Browser, tmp_path: Path) -> Iterator[Callable[[Path], Page]]
         file = tmp_path / "view.html"
         file.write_bytes(page_bytes(open_run(run)))
         context = browser.new_context(
-            viewport={"width": 1000, "height": 560}, color_scheme="light", offline=True
+            viewport={"width": 1080, "height": 560}, color_scheme="light", offline=True
         )
         contexts.append(context)
         page = context.new_page()
@@ -56,7 +56,7 @@ def opened(browser: Browser, tmp_path: Path) -> Iterator[Callable[[Path], Page]]
         page.on("console", lambda said: said.type == "error" and faults.append(said.text))
         page.on("request", lambda asked: asked.url != file.as_uri() and faults.append(asked.url))
         page.goto(file.as_uri())
-        page.wait_for_function("document.querySelector('#plane canvas').width > 300")
+        page.wait_for_function("() => document.querySelector('#plane canvas').width > 300")
         return page
 
     yield show
@@ -90,6 +90,12 @@ def _pixels(page: Page, selector: str) -> np.ndarray[Any, Any]:
 def _wait_for_time_after(page: Page, time: float) -> None:
     page.wait_for_function(
         "time => Number(document.getElementById('timeline').ariaValueNow) > time", arg=time
+    )
+
+
+def _wait_for_text(page: Page, element: str, text: str) -> None:
+    page.wait_for_function(
+        "([id, text]) => document.getElementById(id).textContent === text", arg=[element, text]
     )
 
 
@@ -127,7 +133,7 @@ def test_a_small_scene(opened, tmp_path):
     page.mouse.click(*_centre(page, "#plane"))
     panel = page.locator("#panel")
     assert page.locator("#selected").inner_text() == "ann"
-    page.wait_for_function("document.getElementById('now').textContent === '1.00 m/s'")
+    _wait_for_text(page, "now", "1.00 m/s")
     assert page.locator("#near").inner_text().startswith("ben, ")
     assert "8.00 s, wanted 7.00 s" in panel.inner_text()
     assert "8.00 m" in panel.inner_text()
@@ -173,7 +179,7 @@ def test_a_hundred_agents(opened, tmp_path):
     assert _time(page) == pytest.approx(14.0, abs=0.2)
     page.locator("[data-agent=a42]").click()
     assert page.locator("#selected").inner_text() == "a42"
-    page.wait_for_function("document.getElementById('now').textContent === '2.50 m/s'")
+    _wait_for_text(page, "now", "2.31 m/s")
     # All its pairs are there once they are asked for.
     page.locator(".more").click()
     assert page.locator(".moments button").count() == 99

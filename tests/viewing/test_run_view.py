@@ -59,7 +59,7 @@ def test_the_scene_is_gone(run, tmp_path):
     assert "scene.yaml is missing" in note
     assert view.free_space is None
     assert view.radii.tolist() == [0.3, 0.4, 0.3]
-    assert view.bounds == pytest.approx((-4.3, -2.9, 4.3, 2.3))
+    assert view.bounds == pytest.approx((-4.3, -2.9, 4.3, 1.9))
 
 
 def test_the_scene_is_gone_and_so_are_the_radii(run, tmp_path):
