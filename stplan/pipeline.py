@@ -26,8 +26,9 @@ from stplan.optimize.continuation import LiveLine, Optimisation, optimise
 from stplan.optimize.ipopt import versions as ipopt_versions
 from stplan.optimize.settle import settle
 from stplan.scene.model import Scene
-from stplan.seeding.portfolio import Seed, find_seed
+from stplan.seeding.portfolio import Seed
 from stplan.smooth_distance.segments import squared_distance
+from stplan.starts import best_seed
 from stplan.world import FreeSpace, build_free_space, check_scene_in_world
 from stplan.world_lines import WorldLines
 
@@ -148,9 +149,12 @@ def _seeded(
     clock.lap("world")
     if not compiled_before(squared_distance):
         say("compiling, once after installation: this takes about a quarter of a minute")
-    found = find_seed(scene, free_space, progress=say)
+    found = best_seed(scene, free_space, progress=say)
     with _interruptible() as interrupted:
-        lines = settle(scene, free_space, found.world_lines, progress=say, interrupted=interrupted)
+        lines = settle(
+            scene, free_space, found.world_lines, found.meetings,
+            progress=say, interrupted=interrupted,
+        )  # fmt: skip
     found = replace(found, world_lines=lines)
     clock.lap("seed")
     certificate = certify(scene, free_space, lines)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,8 @@ import numpy as np
 from stplan.arrays import FloatArray, IntArray
 from stplan.scene.interactions import Meeting, scene_meetings
 from stplan.scene.model import Agent, Scene, Visit
+from stplan.seeding.meeting_places import MeetingPlace
+from stplan.world import FreeSpace
 from stplan.world_lines import KnotLayout
 
 # A waypoint is the knot of the seed nearest to it, which must lie this close (m).
@@ -39,8 +42,17 @@ class Appointments:
     within: FloatArray
 
 
-def find_appointments(scene: Scene, layout: KnotLayout, knots: FloatArray) -> Appointments:
-    """The appointments of `scene` among `knots` (M, 3), where the curves keep or nearly keep them."""
+def find_appointments(
+    scene: Scene,
+    free_space: FreeSpace | None,
+    layout: KnotLayout,
+    knots: FloatArray,
+    planned: Sequence[MeetingPlace] = (),
+) -> Appointments:
+    """The appointments of `scene` among `knots` (M, 3), where the curves keep or nearly keep them.
+
+    Pairs with a `planned` place meet there, others at the knots nearest in place and time.
+    """
     places: list[int] = []
     stays: list[tuple[int, int]] = []
     dwell: list[float] = []
@@ -62,10 +74,16 @@ def find_appointments(scene: Scene, layout: KnotLayout, knots: FloatArray) -> Ap
     links: list[tuple[int, int]] = []
     within: list[float] = []
     told = [agent.path is not None for agent in scene.agents]
+    places_of = {place.agents: place for place in planned}
     for meeting in scene_meetings(scene):
         if told[meeting.first] and told[meeting.second]:
             continue
-        link = _meeting_knots(layout, knots, meeting)
+        place = places_of.get((meeting.first, meeting.second))
+        link = (
+            _meeting_knots(free_space, layout, knots, meeting, scene.time_scale)
+            if place is None
+            else _planned_knots(layout, knots, told, place)
+        )
         links.append(link)
         within.append(meeting.meet.within)
         if meeting.meet.window is not None:
@@ -102,7 +120,13 @@ def visit_knots(agent: Agent, curve: FloatArray) -> list[tuple[int, int]]:
     return found
 
 
-def _meeting_knots(layout: KnotLayout, knots: FloatArray, meeting: Meeting) -> tuple[int, int]:
+def _meeting_knots(
+    free_space: FreeSpace | None,
+    layout: KnotLayout,
+    knots: FloatArray,
+    meeting: Meeting,
+    time_scale: float,
+) -> tuple[int, int]:
     """The nearest knots of two agents at a common time, or else the two nearest in time and place."""
     begins = layout.first[meeting.first], layout.first[meeting.second]
     own = knots[begins[0] : layout.last[meeting.first] + 1]
@@ -113,11 +137,29 @@ def _meeting_knots(layout: KnotLayout, knots: FloatArray, meeting: Meeting) -> t
     if meeting.meet.window is not None:
         low, high = meeting.meet.window
         late = late + np.maximum(np.maximum(low - own[:, 2], own[:, 2] - high), 0.0)[:, None]
-    # Those who meet already come first; a second counts like a metre; nobody moves from a start.
-    order = apart + late
+    # Those who meet already come first; nobody moves from a start, and nobody is drawn through a wall.
+    order = np.hypot(apart, time_scale * late)
+    if free_space is not None:
+        heads, tails = (
+            x.reshape(-1, 2) for x in np.broadcast_arrays(own[:, None, :2], other[None, :, :2])
+        )
+        hidden = free_space.segment_clearance(heads, tails) <= 0
+        order[hidden.reshape(order.shape)] += FAR
     order[0] += FAR
     order[:, 0] += FAR
     met = (late <= SAME_TIME) & (apart <= meeting.meet.within)
     order[met] = apart[met] - FAR
     i, j = np.unravel_index(int(order.argmin()), order.shape)
     return int(begins[0] + i), int(begins[1] + j)
+
+
+def _planned_knots(
+    layout: KnotLayout, knots: FloatArray, told: Sequence[bool], place: MeetingPlace
+) -> tuple[int, int]:
+    """The knots at a planned place: in space, or in time for an agent that moves as told."""
+    found = []
+    for agent, point in zip(place.agents, place.places, strict=True):
+        own = knots[layout.first[agent] : layout.last[agent] + 1]
+        off = np.abs(own[:, 2] - place.time) if told[agent] else np.hypot(*(own[:, :2] - point).T)
+        found.append(int(layout.first[agent]) + int(off.argmin()))
+    return found[0], found[1]

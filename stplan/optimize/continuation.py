@@ -20,6 +20,7 @@ from stplan.optimize.problem import Problem, Stopwatch
 from stplan.optimize.scales import derive_scales
 from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Scene
+from stplan.seeding.meeting_places import MeetingPlace
 from stplan.world import FreeSpace
 from stplan.world_lines import KnotLayout, WorldLines
 
@@ -43,6 +44,8 @@ class _Patience:
 # The last mu decides the plan; on the way to it the central path is only followed roughly.
 ON_THE_WAY = _Patience(window=2, share=1e-1)
 AT_THE_END = _Patience(window=4, share=1e-2)
+
+Observer = Callable[[FloatArray, Sequence[Term]], None]
 
 
 @dataclass
@@ -115,6 +118,7 @@ def optimise(
     *,
     progress: Callable[[str], None],
     interrupted: Callable[[], bool],
+    observe: Observer | None = None,
     live: LiveLine | None = None,
 ) -> Optimisation:
     """Make `seed` smooth and cheap by the paper's outer loop.
@@ -122,11 +126,12 @@ def optimise(
     Args:
         progress: called with one line an outer iteration.
         interrupted: asked after every iteration; True ends with the best feasible curves.
+        observe: called with the knots (M, 3) and the terms of the objective after every iteration.
         live: given a maker of the same line after every iteration, to be called at once or not at all.
     """
     layout = KnotLayout.from_offsets(seed.offsets)
     setting = build_setting(scene, free_space, layout, seed.knots)
-    loop = _Loop(setting, seed.knots, progress, interrupted, live)
+    loop = _Loop(setting, seed.knots, progress, interrupted, observe, live)
     loop.run()
     return loop.result(seed)
 
@@ -138,13 +143,14 @@ def build_setting(
     knots: FloatArray,
     *,
     timed: bool = True,
+    planned: Sequence[MeetingPlace] = (),
 ) -> Setting:
     """What stays the same while `scene` is optimised from seed `knots` (M, 3).
 
-    Unless `timed`, visits and meetings are free in time.
+    Unless `timed`, visits and meetings are free in time. Pairs with a `planned` place meet there.
     """
     interactions = scene_interactions(scene)
-    appointments = find_appointments(scene, layout, knots)
+    appointments = find_appointments(scene, free_space, layout, knots, planned)
     setting = Setting(
         scene=scene,
         free_space=free_space,
@@ -179,6 +185,7 @@ class _Loop:
         knots: FloatArray,
         progress: Callable[[str], None],
         interrupted: Callable[[], bool],
+        observe: Observer | None,
         live: LiveLine | None,
     ) -> None:
         self._setting = setting
@@ -186,6 +193,7 @@ class _Loop:
         self._knots = knots
         self._progress = progress
         self._interrupted = interrupted
+        self._observe = observe
         self._live = live
         self._watch = Stopwatch()
         self._record: list[dict[str, Any]] = []
@@ -289,6 +297,12 @@ class _Loop:
         ipopt_mu: float | None,
     ) -> IpoptResult:
         solver = self._setting.scene.solver
+
+        def observed(iteration: Iteration) -> bool:
+            if self._observe is not None:
+                self._observe(iteration.knots, problem.terms)
+            return stop(iteration)
+
         return solve(
             problem,
             self._knots,
@@ -297,7 +311,7 @@ class _Loop:
             objective_scale=1.0 / self._setting.scales.energy,
             limited_memory=solver.hessian == "limited-memory",
             options=solver.ipopt,
-            stop=stop,
+            stop=observed,
             multipliers=multipliers,
             ipopt_mu=ipopt_mu,
         )

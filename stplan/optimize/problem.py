@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.compiled import kernel
 from stplan.costs.contact_term import ContactTerm
 from stplan.costs.limit import Limit
 from stplan.costs.term import Term
@@ -75,10 +76,9 @@ class Problem:
         structures = [term.hessian_structure() for term in self.terms]
         rows = np.concatenate([rows for rows, _ in structures])
         columns = np.concatenate([columns for _, columns in structures])
-        codes = rows * self.num_variables + columns
-        unique, self._place = np.unique(codes, return_inverse=True)
-        self.hessian_rows = unique // self.num_variables
-        self.hessian_columns = unique % self.num_variables
+        self.hessian_rows, self.hessian_columns, self._place = _merged(
+            rows, columns, self.num_variables
+        )
         self._key: bytes | None = None
         self._value = np.inf
         self._gradient: FloatArray | None = None
@@ -170,7 +170,7 @@ class Problem:
                 for term in self.terms
             ]
         )
-        summed: FloatArray = np.bincount(self._place, values, len(self.hessian_rows)).astype(float)
+        summed = _summed(values, self._place, len(self.hessian_rows))
         self.watch.hessian += time.perf_counter() - started
         self.watch.hessians += 1
         return summed
@@ -206,3 +206,41 @@ class Problem:
             if missing is not None and missing.any():
                 return True
         return False
+
+
+@kernel
+def _merged(rows: IntArray, columns: IntArray, size: int) -> tuple[IntArray, IntArray, IntArray]:
+    """Distinct entries, row by row with increasing columns, and the place of every given one."""
+    starts = np.zeros(size + 1, dtype=np.int64)
+    for row in rows:
+        starts[row + 1] += 1
+    for row in range(size):
+        starts[row + 1] += starts[row]
+    sequence = np.empty(len(rows), dtype=np.int64)
+    filled = starts[:-1].copy()
+    for k in range(len(rows)):
+        sequence[filled[rows[k]]] = k
+        filled[rows[k]] += 1
+    places = np.empty(len(rows), dtype=np.int64)
+    entries = np.empty((len(rows), 2), dtype=np.int64)
+    count = 0
+    for row in range(size):
+        own = sequence[starts[row] : starts[row + 1]]
+        before = -1
+        for k in own[np.argsort(columns[own])]:
+            if columns[k] != before:
+                before = columns[k]
+                entries[count, 0] = row
+                entries[count, 1] = before
+                count += 1
+            places[k] = count - 1
+    return entries[:count, 0].copy(), entries[:count, 1].copy(), places
+
+
+@kernel
+def _summed(values: FloatArray, places: IntArray, count: int) -> FloatArray:
+    """(count,) sums of the values that go to the same place."""
+    total = np.zeros(count)
+    for k in range(len(values)):
+        total[places[k]] += values[k]
+    return total

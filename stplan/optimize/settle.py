@@ -7,7 +7,7 @@ everybody apart as ever, until the penalties' own barriers could take over. Ever
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -23,6 +23,8 @@ from stplan.optimize.ipopt import Iteration, solve
 from stplan.optimize.problem import Problem, Stopwatch
 from stplan.scene.interactions import scene_meetings
 from stplan.scene.model import Agent, Scene
+from stplan.seeding.meeting_places import MeetingPlace
+from stplan.seeding.resampling import resample_curve
 from stplan.world import FreeSpace
 from stplan.world_lines import KnotLayout, WorldLines
 
@@ -37,6 +39,8 @@ INSET = 0.02
 # A dwelling agent's second knot starts out this part of the next segment after the first, the first
 # part that leaves everybody clear.
 SPLITS = (0.2, 0.02, 1e-3, 1e-5)
+# Knots at least of a given path along which somebody has to be met.
+KNOTS_OF_TOLD = 60
 # A round ends when the objective falls by less than this share over so many iterations.
 STALL_WINDOW = 6
 STALL = 1e-3
@@ -56,25 +60,28 @@ def settle(
     scene: Scene,
     free_space: FreeSpace | None,
     seed: WorldLines,
+    planned: Sequence[MeetingPlace] = (),
     *,
     progress: Callable[[str], None],
     interrupted: Callable[[], bool],
 ) -> WorldLines:
     """`seed` with knots for its appointments, keeping the scene's limits where that was reached.
 
-    Whether it was is for the certificate to say.
+    Whether it was is for the certificate to say. Pairs with a `planned` place meet there.
     """
     if not asks_for_more(scene):
         return seed
-    lines = _with_dwells(scene, free_space, seed)
+    lines = _with_dwells(scene, free_space, _with_knots_of_told(scene, seed))
     layout = KnotLayout.from_offsets(lines.offsets)
-    setting = build_setting(scene, free_space, layout, lines.knots, timed=False)
+    setting = build_setting(scene, free_space, layout, lines.knots, timed=False, planned=planned)
     rounds = _Rounds(setting, lines.knots, interrupted)
     for number, weight in enumerate(WEIGHTS, start=1):
         if rounds.content() or interrupted():
             break
         progress(f"settling speeds and times, round {number}: {rounds.state()}")
         rounds.run(weight)
+    if not rounds.content():
+        return lines.with_knots(rounds.knots)
     links = setting.appointments.links
     return lines.with_knots(_on_time(scene, layout, rounds.knots, links))
 
@@ -166,6 +173,16 @@ class _Content:
             return False
         fall = self._values[-1 - STALL_WINDOW] - self._values[-1]
         return fall <= STALL * abs(self._values[-1])
+
+
+def _with_knots_of_told(scene: Scene, seed: WorldLines) -> WorldLines:
+    """`seed` with knots along the given paths of agents that somebody has to meet."""
+    met = {agent for meeting in scene_meetings(scene) for agent in (meeting.first, meeting.second)}
+    curves = [
+        resample_curve(curve, KNOTS_OF_TOLD) if agent.path is not None and a in met else curve
+        for a, (agent, curve) in enumerate(zip(scene.agents, seed.curves(), strict=True))
+    ]
+    return WorldLines.from_curves(seed.agent_ids, curves)
 
 
 def _with_dwells(scene: Scene, free_space: FreeSpace | None, seed: WorldLines) -> WorldLines:

@@ -36,6 +36,7 @@ _SEEDING = SeedingSettings()
 _SOLVER = SolverSettings()
 _LAYERS = Annotated[int, Field(ge=2, le=100_000)]
 _KNOTS = Annotated[int, Field(ge=3, le=10_000)]
+_STARTS = Annotated[int, Field(ge=1, le=1000)]
 _Tolerance = Annotated[Factor, Field(le=1e6)]
 _RANGE = Annotated[float, Field(gt=0, allow_inf_nan=True)]
 
@@ -131,6 +132,9 @@ class SolverFile(_Model):
 
     knots: Annotated[int | Literal["auto"], Or(_KNOTS, "auto")] = Field(
         "auto", description="knots per agent; auto follows the initial curves"
+    )
+    starts: Annotated[int | Literal["auto"], Or(_STARTS, "auto")] = Field(
+        "auto", description="initial curves to choose the cheapest from; auto: more for few agents"
     )
     mu: Annotated[float | Literal["auto"], Or(Factor, "auto")] = Field(
         "auto", description="first weight of the barriers; auto scales with the costs"

@@ -136,6 +136,7 @@ class SolverSettings:
     """How curves are optimised; None means auto, `barrier_range` inf the unbounded logarithm."""
 
     knots: int | None = None
+    starts: int | None = None
     mu: float | None = None
     mu_decay: float = 0.5
     outer_iterations: int = 5

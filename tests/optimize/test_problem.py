@@ -65,7 +65,7 @@ def sample_problem(**solver: object) -> Problem:
     scene = sample_scene(**solver)
     knots = sample_knots()
     interactions = scene_interactions(scene)
-    appointments = find_appointments(scene, LAYOUT, knots)
+    appointments = find_appointments(scene, None, LAYOUT, knots)
     setting = Setting(
         scene, _Walls(), interactions, LAYOUT,  # type: ignore[arg-type]
         derive_scales(scene, interactions, LAYOUT, knots),
@@ -154,7 +154,7 @@ def test_bounds_fix_what_the_scene_gives() -> None:
     middle = replace(scene.agents[0], waypoints=(tuple(knots[2, :2]),))
     told = replace(scene.agents[1], path=tuple(map(tuple, knots[6:12])))
     scene = replace(scene, agents=(middle, told, scene.agents[2]))
-    limits = build_limits(scene, LAYOUT, knots, find_appointments(scene, LAYOUT, knots))
+    limits = build_limits(scene, LAYOUT, knots, find_appointments(scene, None, LAYOUT, knots))
     fixed = limits.lower == limits.upper
     assert fixed[0].all()
     assert fixed[5].tolist() == [True, True, False]

@@ -111,6 +111,7 @@ _FULL: dict[str, Any] = {
     },
     "solver": {
         "knots": 30,
+        "starts": 4,
         "mu": 0.1,
         "mu_decay": 0.5,
         "outer_iterations": 3,

@@ -59,6 +59,7 @@ def test_defaults():
     }
     assert dataclasses.asdict(scene.solver) == {
         "knots": None,
+        "starts": None,
         "mu": None,
         # Tuned by measurement.
         "mu_decay": scene.solver.mu_decay,
