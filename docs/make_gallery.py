@@ -61,7 +61,7 @@ def planned(scene: Path) -> Entry:
         return Entry(scene, scene.stem, None, "; ".join(record["messages"]))
     name = record["name"]
     target = GALLERY / f"{name}.png"
-    drawn = stplan("plot", RUNS / name, "--show", "map,rods", "--dpi", 80, "-o", target)
+    drawn = stplan("plot", RUNS / name, "--show", "map,rods", "--dpi", 90, "-o", target)
     if drawn.returncode:
         raise SystemExit(drawn.returncode)
     reduce(target)

@@ -6,7 +6,7 @@ import io
 from typing import Any
 
 import matplotlib as mpl
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 
 from stplan.viewing.clearances import tight_pairs, tight_walls
 from stplan.viewing.drawing import LOOK, MUTED, WARNING, view_box
@@ -18,8 +18,9 @@ from stplan.viewing.run_view import RunView
 PARTS = ("map", "time", "rods")
 FORMATS = ("png", "svg", "pdf")
 _WIDTH = 13.0
+_HEAD = 0.5
 # Maps at least so much wider than high get a row of their own.
-_WIDE = 2.4
+_WIDE = 3.2
 
 
 def figure_bytes(
@@ -58,9 +59,10 @@ def draw_figure(view: RunView, *, parts: tuple[str, ...] = PARTS, seed: bool = F
         above, panels = above[:1], above[1:] + panels
     rows = [row for row in (above, panels) if row]
     heights = [_row_height(row, aspect) for row in rows]
-    figure = Figure(figsize=(_WIDTH, sum(heights) + 0.6), layout="constrained")
+    figure = Figure(figsize=(_WIDTH, _HEAD + sum(heights)), layout="constrained")
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08)
-    bands = figure.subfigures(len(rows), 1, height_ratios=heights, squeeze=False)[:, 0]
+    head, *bands = figure.subfigures(len(rows) + 1, 1, height_ratios=[_HEAD, *heights])
+    _draw_head(head, view)
     labels = []
     for band, row in zip(bands, rows, strict=True):
         ratios = [_share(name, row, aspect) for name in row]
@@ -72,7 +74,6 @@ def draw_figure(view: RunView, *, parts: tuple[str, ...] = PARTS, seed: bool = F
                 labels.append(draw_map(axes, view, seed=seed))
             else:
                 _DRAW[name](axes, view)
-    _head(figure, view)
     figure.draw_without_rendering()
     for each in labels:
         each.settle()
@@ -102,7 +103,7 @@ _DRAW: dict[str, Any] = {
 }
 
 
-def _head(figure: Figure, view: RunView) -> None:
+def _draw_head(band: SubFigure, view: RunView) -> None:
     """Name, what the scene shows, and how tight it is."""
     tightest = min(
         [*tight_pairs(view)[:1], *tight_walls(view)[:1]],
@@ -110,11 +111,11 @@ def _head(figure: Figure, view: RunView) -> None:
         default=None,
     )
     title = view.title + (f" — {view.description}" if view.description else "")
-    figure.suptitle(title, x=0.012, y=0.992, ha="left", fontsize=13, fontweight="bold")
+    band.text(0.012, 0.45, title, va="center", fontsize=13, fontweight="bold")
     facts = [f"{view.num_agents} agents" if view.num_agents > 1 else "one agent"]
     facts.append(f"all arrived after {view.end:.4g} s")
     colour = MUTED
     if tightest is not None:
         facts.append(f"smallest clearance {metres(tightest.clearance)} at {tightest.time:.4g} s")
         colour = MUTED if tightest.clearance > 0 else WARNING
-    figure.text(0.988, 0.995, ", ".join(facts), ha="right", va="top", fontsize=9.5, color=colour)
+    band.text(0.988, 0.45, ", ".join(facts), ha="right", va="center", fontsize=9.5, color=colour)

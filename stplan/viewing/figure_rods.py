@@ -13,9 +13,8 @@ from stplan.viewing.palette import hex_colours
 from stplan.viewing.rods import rod_curve, rod_mesh
 from stplan.viewing.run_view import RunView
 
-# Sides of a rod and the most rings it is drawn with, for few and for many agents.
-_FEW = (16, 80)
-_MANY = (7, 24)
+# Up to so many agents: sides of a rod, and the most rings it is drawn with.
+_DETAIL = ((10, 32, 80), (40, 16, 60), (10_000, 7, 24))
 # Height of the picture over the map's longer side.
 _HEIGHT = 0.85
 
@@ -35,8 +34,8 @@ def draw_rods(axes: Axes3D, view: RunView) -> None:
     axes.grid(False)
     axes.set_xticks([])
     axes.set_yticks([])
-    axes.set_zlabel("time, s")
-    sides, rings = _FEW if view.num_agents <= 40 else _MANY
+    axes.set_title("Rods, time upwards in s")
+    _, sides, rings = next(detail for detail in _DETAIL if view.num_agents <= detail[0])
     faces, colours = [], []
     light = LightSource(azdeg=300, altdeg=40)
     # In the picture the time axis is as long as `_HEIGHT` says; light falls on the picture.
