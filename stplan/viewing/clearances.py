@@ -15,10 +15,9 @@ from stplan.viewing.run_view import RunView
 
 @dataclass(frozen=True)
 class TightMoment:
-    """Where a pair (or an agent and a wall, `b` is None) is tightest; m, s, m."""
+    """Where a pair, or an agent and a wall, is tightest: of whom, m, s, m."""
 
-    a: int
-    b: int | None
+    who: tuple[int, ...]
     clearance: float
     time: float
     place: tuple[float, float]
@@ -33,8 +32,8 @@ def tight_pairs(view: RunView) -> list[TightMoment]:
     clearance = found.distance[together] - view.distance[a, b]
     place = _between(view, a, b, time)
     moments = [
-        TightMoment(*row)
-        for row in zip(
+        TightMoment((first, second), *row)
+        for first, second, *row in zip(
             a.tolist(), b.tolist(), clearance.tolist(), time.tolist(), place, strict=True
         )
     ]
@@ -69,7 +68,7 @@ def tight_walls(view: RunView) -> list[TightMoment]:
             distance, place = wall_distance(view.free_space, curve)
             x, y = place.tolist()
             clearance = distance - float(view.radii[a])
-            moments.append(TightMoment(a, None, clearance, time_at(curve, place), (x, y)))
+            moments.append(TightMoment((a,), clearance, time_at(curve, place), (x, y)))
     return sorted(moments, key=lambda moment: moment.clearance)
 
 

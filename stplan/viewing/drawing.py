@@ -93,7 +93,6 @@ def draw_ground(axes: Axes, view: RunView, box: tuple[float, float, float, float
 def scale_bar(axes: Axes, box: tuple[float, float, float, float], length: float) -> None:
     """A bar of `length` m below the lower left corner of the map."""
     figure = axes.get_figure(root=True)
-    assert figure is not None
     down = ScaledTranslation(0.0, -11.0 / 72.0, figure.dpi_scale_trans)
     below = axes.get_xaxis_transform() + down
     start, end = box[0], box[0] + length

@@ -130,7 +130,6 @@ def _points_per_metre(axes: Axes) -> float:
     axes.apply_aspect()
     ends = axes.transData.transform([[0.0, 0.0], [1.0, 0.0]])
     figure = axes.get_figure(root=True)
-    assert figure is not None
     return float(ends[1, 0] - ends[0, 0]) * 72.0 / figure.dpi
 
 

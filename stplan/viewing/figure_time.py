@@ -52,14 +52,14 @@ def draw_clearance(axes: Axes, view: RunView) -> None:
     if walls:
         line = axes.plot(times, _finite(to_walls), color=WALL, lw=1.0, ls=(0, (4, 2)))
         handles.append(tuple(line))
-        labels.append(f"{names[walls[0].a]} and a wall: {metres(walls[0].clearance)}")
+        labels.append(f"{names[walls[0].who[0]]} and a wall: {metres(walls[0].clearance)}")
     for moment in pairs[:_PAIRS]:
-        assert moment.b is not None
-        curve = pair_clearance(view, moment.a, moment.b, times)
-        whole = axes.plot(times, curve, color=colours[moment.a], lw=1.7)
-        dashes = axes.plot(times, curve, color=colours[moment.b], lw=1.7, ls=(0, (3, 3)))
+        a, b = moment.who
+        curve = pair_clearance(view, a, b, times)
+        whole = axes.plot(times, curve, color=colours[a], lw=1.7)
+        dashes = axes.plot(times, curve, color=colours[b], lw=1.7, ls=(0, (3, 3)))
         handles.append((*whole, *dashes))
-        labels.append(f"{names[moment.a]} and {names[moment.b]}: {metres(moment.clearance)}")
+        labels.append(f"{names[a]} and {names[b]}: {metres(moment.clearance)}")
         axes.plot(moment.time, moment.clearance, "o", ms=4, color=INK, zorder=4)
     if len(pairs) > _PAIRS:
         line = axes.plot(times, _finite(between), color=FAINT, lw=4.0, zorder=1)

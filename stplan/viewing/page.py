@@ -77,8 +77,8 @@ def _agent(view: RunView, a: int, colour: str, waiting: list[Wait]) -> dict[str,
 
 def _moment(moment: TightMoment) -> dict[str, Any]:
     return {
-        "a": moment.a,
-        "b": moment.b,
+        "a": moment.who[0],
+        "b": moment.who[1] if len(moment.who) > 1 else None,
         "clearance": float(f"{moment.clearance:.6g}"),
         "time": round(moment.time, 6),
         "x": round(moment.place[0], 6),

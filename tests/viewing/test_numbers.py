@@ -47,10 +47,10 @@ def test_tight_moments_are_those_that_sampling_finds(view):
     assert len(moments) == 3
     assert [m.clearance for m in moments] == sorted(m.clearance for m in moments)
     for moment in moments:
-        sampled = pair_clearance(view, moment.a, moment.b, times)
+        sampled = pair_clearance(view, *moment.who, times)
         assert np.nanmin(sampled) == pytest.approx(moment.clearance, abs=1e-3)
         assert moment.clearance <= np.nanmin(sampled) + 1e-12
-        assert pair_clearance(view, moment.a, moment.b, np.array([moment.time]))[0] == (
+        assert pair_clearance(view, *moment.who, np.array([moment.time]))[0] == (
             pytest.approx(moment.clearance, abs=1e-9)
         )
     between, to_walls = smallest_clearance(view, times)
@@ -58,12 +58,12 @@ def test_tight_moments_are_those_that_sampling_finds(view):
     walls = tight_walls(view)
     assert to_walls.min() == pytest.approx(walls[0].clearance, abs=1e-3)
     # ben stands 0.5 m below the obstacle; its start is as far from the lower wall.
-    ben = next(moment for moment in walls if moment.a == 1)
+    ben = next(moment for moment in walls if moment.who == (1,))
     assert ben.clearance == pytest.approx(0.1)
 
 
 def test_the_place_of_a_tight_moment_lies_between_the_rims(view):
-    moment = next(m for m in tight_pairs(view) if (m.a, m.b) == (0, 1))
+    moment = next(m for m in tight_pairs(view) if m.who == (0, 1))
     places = positions(view.lines, view.leaves, np.array([moment.time]))[:2, 0]
     gaps = np.linalg.norm(places - moment.place, axis=1) / view.radii[:2]
     assert gaps[0] == pytest.approx(gaps[1])
