@@ -38,7 +38,7 @@ def plot_run(
     unknown = [part for part in parts if part not in PARTS]
     if unknown:
         raise UsageError(f"--show: {unknown[0]!r} is none of {', '.join(PARTS)}")
-    _check_positive("--dpi", dpi)
+    _check_positive("--dpi", dpi, most=1200)
     target = output or _beside(run, "plot.png")
     kind = _kind(target, FORMATS)
     (view,) = _open(console, [run], scene)
@@ -142,9 +142,10 @@ def _kind(target: Path, known: Sequence[str]) -> str:
     return kind
 
 
-def _check_positive(option: str, value: float) -> None:
-    if not (math.isfinite(value) and value > 0):
-        raise UsageError(f"{option} is {value}; expected a number above 0")
+def _check_positive(option: str, value: float, most: float = math.inf) -> None:
+    if not (math.isfinite(value) and 0 < value <= most):
+        limit = f", at most {most:g}" if math.isfinite(most) else ""
+        raise UsageError(f"{option} is {value}; expected a number above 0{limit}")
 
 
 def _size(text: str) -> tuple[int, int | None]:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import warnings
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 import shapely
 from matplotlib.axes import Axes
@@ -24,7 +27,9 @@ FLOOR = "#ffffff"
 WALL = "#4a515a"
 WARNING = "#d1242f"
 
-LOOK: dict[str, Any] = {
+_LOOK: dict[str, Any] = {
+    # Names and descriptions are text, whatever dollars there are in them.
+    "text.parse_math": False,
     "font.family": "sans-serif",
     "font.size": 9.0,
     "axes.titlesize": 10.0,
@@ -51,6 +56,14 @@ LOOK: dict[str, Any] = {
     "svg.hashsalt": "stplan",
     "pdf.fonttype": 42,
 }
+
+
+@contextmanager
+def look() -> Iterator[None]:
+    """Within, figures look as they should; letters that no font has are boxes, without complaint."""
+    with mpl.rc_context(_LOOK), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", r"Glyph \d+ .*missing from font")
+        yield
 
 
 def outline(geometry: shapely.Geometry) -> Outline:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import io
 from typing import Any
 
-import matplotlib as mpl
 from matplotlib.figure import Figure, SubFigure
 
 from stplan.viewing.clearances import tight_pairs, tight_walls
-from stplan.viewing.drawing import LOOK, MUTED, WARNING, view_box
+from stplan.viewing.drawing import MUTED, WARNING, look, view_box
 from stplan.viewing.figure_map import draw_map
 from stplan.viewing.figure_rods import draw_rods
 from stplan.viewing.figure_time import draw_arrivals, draw_clearance, draw_speed, metres
@@ -41,7 +40,7 @@ def figure_bytes(
     metadata: dict[str, Any] = {
         "png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None},
     }[kind]  # fmt: skip
-    with mpl.rc_context(LOOK):
+    with look():
         figure = draw_figure(view, parts=parts, seed=seed)
         stream = io.BytesIO()
         figure.savefig(stream, format=kind, dpi=dpi, metadata=metadata)

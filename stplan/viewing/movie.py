@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from stplan.arrays import FloatArray
+from stplan.errors import UsageError
 from stplan.viewing.movie_frames import Film, default_height
 from stplan.viewing.run_view import RunView
 
@@ -22,6 +23,7 @@ FORMATS = ("mp4", "gif", "webp")
 LONGEST = 12.0
 # The last frame stands for so long (s).
 _HOLD = 1.0
+_MOST_FRAMES = 50_000
 
 Frames = Iterable[NDArray[np.uint8]]
 
@@ -44,9 +46,16 @@ def movie_bytes(
         speed: seconds of the run in a second of the movie; None is 1, or more for long runs.
         size: width and height in pixels, the height None follows from the maps; both are made even.
         progress: told which frame is drawn.
+
+    Raises:
+        UsageError: it would have too many frames.
     """
     begin, end = min(view.begin for view in views), max(view.end for view in views)
     chosen = max(1.0, (end - begin) / LONGEST) if speed is None else speed
+    if (end - begin) * fps / chosen > _MOST_FRAMES:
+        raise UsageError(
+            f"the movie would have more than {_MOST_FRAMES} frames; raise --speed or lower --fps"
+        )
     times = frame_times(begin, end, fps, chosen)
     width, height = size[0], size[1] or default_height(views, size[0])
     even = (width + width % 2, height + height % 2)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -15,7 +14,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from stplan.arrays import FloatArray
-from stplan.viewing.drawing import FAINT, INK, LOOK, MUTED, draw_ground, view_box
+from stplan.viewing.drawing import FAINT, INK, MUTED, draw_ground, look, view_box
 from stplan.viewing.motion import positions
 from stplan.viewing.palette import hex_colours
 from stplan.viewing.run_view import RunView
@@ -58,7 +57,7 @@ class Film:
         width, height = size
         self._begin = min(view.begin for view in views)
         self._end = max(view.end for view in views)
-        with mpl.rc_context(LOOK):
+        with look():
             self._figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI)
             self._canvas = FigureCanvasAgg(self._figure)
             grid = self._figure.add_gridspec(
@@ -86,6 +85,10 @@ class Film:
 
     def frame(self, time: float) -> NDArray[np.uint8]:
         """(height, width, 4) picture of the moment `time` s."""
+        with look():
+            return self._frame(time)
+
+    def _frame(self, time: float) -> NDArray[np.uint8]:
         if self._background is None:
             self._canvas.draw()
             self._background = self._canvas.copy_from_bbox(self._figure.bbox)

@@ -53,6 +53,8 @@ def test_a_named_file_decides_the_format(hall, run):
         (["plot", "-o", "x.bmp"], "x.bmp: expected a name ending in .png, .svg, .pdf"),
         (["plot", "--show", "map,walls"], "--show: 'walls' is none of map, time, rods"),
         (["plot", "--dpi", "0"], "--dpi is 0.0; expected a number above 0"),
+        (["plot", "--dpi", "5000"], "--dpi is 5000.0; expected a number above 0, at most 1200"),
+        (["animate", "--speed", "1e-9"], "more than 50000 frames; raise --speed or lower --fps"),
         (["animate", "-o", "x.avi"], "x.avi: expected a name ending in .mp4, .gif, .webp"),
         (["animate", "--speed", "nan"], "--speed is nan; expected a number above 0"),
         (["animate", "--size", "12x"], "--size is 12x; expected WIDTH or WIDTHxHEIGHT, 64 to 8192"),
