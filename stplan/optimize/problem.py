@@ -24,6 +24,10 @@ from stplan.world_lines import KnotLayout
 
 # A step keeps at least this share of the smallest clearance.
 CLEARANCE_KEPT = 0.2
+# Shares of the full step below which damping grows, and above which it falls; by which factors.
+SHORT_STEP, LONG_STEP = 0.3, 0.7
+HARDER, SOFTER = 10.0, 0.5
+LEAST_DAMPING = 0.1
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,8 @@ class Problem:
         terms: what is summed.
         limits: bounds and least durations.
         exact: use every term's exact Hessian instead of its Gauss-Newton one.
+        stiffness: (3 M,) what damping adds to the diagonal of the Gauss-Newton Hessian, by variable.
+        damping: factor on it at the start.
     """
 
     layout: KnotLayout
@@ -71,6 +77,8 @@ class Problem:
     limits: Limits
     exact: bool = False
     watch: Stopwatch = field(default_factory=Stopwatch)
+    stiffness: FloatArray | None = None
+    damping: float = 0.0
 
     def __post_init__(self) -> None:
         structures = [term.hessian_structure() for term in self.terms]
@@ -79,6 +87,7 @@ class Problem:
         self.hessian_rows, self.hessian_columns, self._place = _merged(
             rows, columns, self.num_variables
         )
+        self._diagonal = np.flatnonzero(self.hessian_rows == self.hessian_columns)
         self._key: bytes | None = None
         self._value = np.inf
         self._gradient: FloatArray | None = None
@@ -95,12 +104,18 @@ class Problem:
         self._evaluate(x)
         return self._value
 
-    def accept(self, x: FloatArray) -> None:
-        """Take `x` as the iterate to step from: no step may use up nearly all its clearance.
+    def accept(self, x: FloatArray, share: float = 1.0) -> None:
+        """Take `x` as the iterate to step from, reached by a `share` of the full step.
 
-        Without this fraction-to-the-boundary rule a long step can land a hair's breadth from contact,
-        where the barrier is too steep to ever leave again.
+        No step from it may use up nearly all its clearance: without this fraction-to-the-boundary rule
+        a long step can land a hair's breadth from contact, where the barrier is too steep to ever leave
+        again. After short steps the Hessian is damped, as Levenberg and Marquardt do: it knows nothing of
+        how distances bend, and undamped its steps along contacts are far longer than it holds true.
         """
+        if share < SHORT_STEP:
+            self.damping = max(HARDER * self.damping, LEAST_DAMPING)
+        elif share > LONG_STEP:
+            self.damping = SOFTER * self.damping if self.damping > LEAST_DAMPING else 0.0
         knots = x.reshape(-1, 3)
         least = self._least_clearance(knots)
         self._floor = CLEARANCE_KEPT * least if np.isfinite(least) else 0.0
@@ -171,6 +186,9 @@ class Problem:
             ]
         )
         summed = _summed(values, self._place, len(self.hessian_rows))
+        if self.damping and self.stiffness is not None and not self.exact:
+            variables = self.hessian_rows[self._diagonal]
+            summed[self._diagonal] += self.damping * self.stiffness[variables]
         self.watch.hessian += time.perf_counter() - started
         self.watch.hessians += 1
         return summed
