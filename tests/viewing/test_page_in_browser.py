@@ -47,7 +47,7 @@ def opened(browser: Browser, tmp_path: Path) -> Iterator[Callable[[Path], Page]]
         file = tmp_path / "view.html"
         file.write_bytes(page_bytes(open_run(run)))
         context = browser.new_context(
-            viewport={"width": 1080, "height": 560}, color_scheme="light", offline=True
+            viewport={"width": 1080, "height": 440}, color_scheme="light", offline=True
         )
         contexts.append(context)
         page = context.new_page()
@@ -81,8 +81,12 @@ def _centre(page: Page, selector: str) -> tuple[float, float]:
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 
-def _pixels(page: Page, selector: str) -> np.ndarray[Any, Any]:
+def _next_frames(page: Page) -> None:
     page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def _pixels(page: Page, selector: str) -> np.ndarray[Any, Any]:
+    _next_frames(page)
     with Image.open(io.BytesIO(page.locator(selector).screenshot())) as image:
         return np.asarray(image.convert("RGB")).astype(int)
 
@@ -97,6 +101,17 @@ def _wait_for_text(page: Page, element: str, text: str) -> None:
     page.wait_for_function(
         "([id, text]) => document.getElementById(id).textContent === text", arg=[element, text]
     )
+
+
+def _point_at_a_rod(page: Page) -> str:
+    """Move over the 3D view until a rod is found; the name that is shown then."""
+    x, y = _centre(page, "#rods")
+    for step in range(-60, 61, 6):
+        page.mouse.move(x + step, y + 20)
+        _next_frames(page)
+        if page.locator("#tip").is_visible():
+            return page.locator("#tip").inner_text().split(" · ")[0]
+    pytest.fail("no rod near the middle of the 3D view")
 
 
 def test_a_small_scene(opened, tmp_path):
@@ -144,6 +159,13 @@ def test_a_small_scene(opened, tmp_path):
     row.click()
     assert _time(page) == pytest.approx(moment, abs=1e-3)
     assert set(panel.locator(".agent").all_inner_texts()) == {"ann", "ben"}
+
+    # A rod is as good to point at as a disc.
+    page.keyboard.press("Escape")
+    name = _point_at_a_rod(page)
+    page.mouse.down()
+    page.mouse.up()
+    assert page.locator("#selected").inner_text() == name
 
     # All again; who waits, and for whom.
     page.keyboard.press("Escape")

@@ -26,7 +26,9 @@ function showTip() {
   const tip = document.getElementById("tip");
   tip.hidden = state.hovered === null;
   if (tip.hidden) return;
-  const { x, y, time } = state.pointer;
+  // On the map that is now; on a rod it is the time of the place that is pointed at.
+  const { x, y } = state.pointer;
+  const time = state.pointer.time ?? state.time;
   tip.textContent = `${run.agents[state.hovered].id} · ${seconds(time)} · ${speed(run.speed(state.hovered, time))}`;
   tip.style.left = `${Math.min(x + 14, window.innerWidth - tip.offsetWidth - 8)}px`;
   tip.style.top = `${Math.max(y - 34, 4)}px`;

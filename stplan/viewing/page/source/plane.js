@@ -64,7 +64,7 @@ export class Plane {
       }
       const agent = this.run.agentAt(x, y, state.time, (6 * ratio) / this.scale);
       canvas.style.cursor = agent === null ? "grab" : "pointer";
-      state.pointer = { x: event.clientX, y: event.clientY, time: state.time };
+      state.pointer = { x: event.clientX, y: event.clientY, time: null };
       state.hover(agent);
     });
     canvas.addEventListener("pointerup", (event) => {

@@ -264,7 +264,7 @@ export class Rods {
     if (this.pointed) {
       const hit = this.pick(this.pointed);
       const { clientX: x, clientY: y } = this.pointed;
-      this.state.pointer = { x, y, time: hit?.time ?? this.state.time };
+      this.state.pointer = { x, y, time: hit ? hit.time : null };
       this.canvas.style.cursor = hit ? "pointer" : "grab";
       this.state.hover(hit ? hit.agent : null);
       this.pointed = null;
