@@ -106,7 +106,7 @@ def _wait_for_text(page: Page, element: str, text: str) -> None:
 def _point_at_a_rod(page: Page) -> str:
     """Move over the 3D view until a rod is found; the name that is shown then."""
     x, y = _centre(page, "#rods")
-    for step in range(-60, 61, 6):
+    for step in range(-60, 61, 10):
         page.mouse.move(x + step, y + 20)
         _next_frames(page)
         if page.locator("#tip").is_visible():

@@ -26,7 +26,7 @@ export class Rods {
     this.addCamera();
     this.dirty = true;
     state.listen((what) => {
-      this.dirty = true;
+      if (what !== "hover" && what !== "playing") this.dirty = true;
       if (what === "selection") this.isolate();
       if (what === "theme") this.paint();
     });
