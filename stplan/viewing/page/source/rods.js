@@ -64,7 +64,7 @@ export class Rods {
     const upright = Math.tan((this.camera.fov * Math.PI) / 360);
     const half = Math.atan(upright * Math.min(1, this.camera.aspect));
     const away = new THREE.Vector3(-0.42, -0.8, 0.4).normalize().multiplyScalar(radius / Math.sin(half));
-    this.camera.position.copy(this.controls.target).add(away.multiplyScalar(0.97));
+    this.camera.position.copy(this.controls.target).add(away.multiplyScalar(0.88));
     this.controls.update();
     this.dirty = true;
   }
@@ -224,6 +224,8 @@ export class Rods {
       }
     });
     geometry.addGroup(open.start, open.count, open.kind);
+    // A few rods alone may be seen better than many through one another.
+    this.future.material[0].opacity = this.state.selected.size ? 0.6 : 0.3;
   }
 
   listenToPointer() {
