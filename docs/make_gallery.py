@@ -22,7 +22,7 @@ RUNS = ROOT / "outputs" / "gallery"
 GALLERY = ROOT / "docs" / "gallery"
 PICTURES = ROOT / "docs" / "pictures"
 # Enough for line drawings, and a third of the bytes.
-COLOURS = 160
+COLOURS = 240
 # The scenes of README.
 PICTURE, MOVIE = "bottleneck", "warehouse"
 

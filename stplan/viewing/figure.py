@@ -85,7 +85,7 @@ def _row_height(row: list[str], aspect: float) -> float:
         return min(max((_WIDTH - 0.6) / aspect + 0.5, 1.6), 9.0)
     if "map" in row:
         return min(max(0.57 * _WIDTH / aspect + 0.5, 4.6), 6.8)
-    return 6.0 if row == ["rods"] else 3.7
+    return 4.8 if row == ["rods"] else 3.7
 
 
 def _share(name: str, row: list[str], aspect: float) -> float:
