@@ -117,7 +117,7 @@ def readme_pictures() -> None:
     stplan("plot", RUNS / PICTURE, "--seed", "--dpi", 100, "-o", picture).check_returncode()
     reduce(picture)
     movie = PICTURES / f"{MOVIE}.webp"
-    stplan("animate", RUNS / MOVIE, "--size", 720, "--fps", 20, "-o", movie).check_returncode()
+    stplan("animate", RUNS / MOVIE, "--size", 640, "--fps", 15, "-o", movie).check_returncode()
 
 
 def main(names: list[str]) -> int:
