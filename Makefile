@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 DEMO := scenes/bottleneck/bottleneck.yaml
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check format clean gallery page
+.PHONY: help demo test check bench format clean gallery page
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -25,6 +25,9 @@ check: $(VENV)/.installed-dev ## format, lint, types, layers, then the tests: wh
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	@$(MAKE) --no-print-directory test
+
+bench: $(VENV)/.installed-dev ## measure the planner: small benchmarks, a few minutes
+	$(BIN)/stplan bench all
 
 format: $(VENV)/.installed-dev ## format the sources and fix what the linter can fix
 	$(BIN)/ruff format .

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import platform
-import resource
 import signal
 import threading
 import time
@@ -23,8 +22,10 @@ from stplan.compiled import compiled_before
 from stplan.errors import SceneError, SeedingError
 from stplan.files.json_file import json_bytes
 from stplan.files.trajectories import write_files
+from stplan.memory import LEAST_KNOTS, MIB, peak, require_memory
 from stplan.optimize.continuation import LiveLine, Optimisation, optimise
 from stplan.optimize.ipopt import versions as ipopt_versions
+from stplan.optimize.linear_solvers import chosen_linear_solver
 from stplan.optimize.settle import settle
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Seed
@@ -34,6 +35,9 @@ from stplan.world import FreeSpace, build_free_space, check_scene_in_world
 from stplan.world_lines import WorldLines
 
 Progress = Callable[[str], None]
+
+# So many broken promises of initial curves are told.
+MOST_VIOLATIONS = 5
 
 
 @dataclass(frozen=True)
@@ -81,12 +85,14 @@ def plan(scene: Scene, *, progress: Progress | None = None, live: LiveLine | Non
     Interrupted (SIGINT, SIGTERM) while optimising, it returns the best feasible curves so far.
 
     Raises:
-        SceneError: the scene does not fit its map.
+        SceneError: the scene does not fit its map, or not into memory.
         SeedingError: no collision-free initial curves were found.
+        SolverError: Ipopt lacks the linear solver or an option asked for.
         KeyboardInterrupt: interrupted before there were any.
     """
     say = progress or (lambda line: None)
     clock = _Clock()
+    linear_solver = chosen_linear_solver(scene)
     free_space, seed, seed_certificate = _seeded(scene, say, clock)
     with _interruptible() as interrupted:
         outcome = optimise(
@@ -99,6 +105,7 @@ def plan(scene: Scene, *, progress: Progress | None = None, live: LiveLine | Non
     if not certificate.holds:
         lines, certificate, status = seed.world_lines, seed_certificate, "broken"
     report = _report(scene, seed, seed_certificate, certificate, lines, status)
+    report["linear_solver"] = linear_solver
     report["costs"] = outcome.costs
     report["outer_iterations"] = outcome.record
     run = _run(clock) | {"optimisation": _optimisation_times(outcome, clock)}
@@ -146,6 +153,8 @@ def _world(scene: Scene) -> FreeSpace | None:
 def _seeded(
     scene: Scene, say: Progress, clock: _Clock
 ) -> tuple[FreeSpace | None, Seed, Certificate]:
+    count = len(scene.agents)
+    require_memory(scene.name, count, count * (scene.solver.knots or LEAST_KNOTS))
     free_space = _world(scene)
     clock.lap("world")
     if not compiled_before(squared_distance):
@@ -156,15 +165,25 @@ def _seeded(
             scene, free_space, found.world_lines, found.meetings,
             progress=say, interrupted=interrupted,
         )  # fmt: skip
+        if interrupted():
+            raise KeyboardInterrupt
     found = replace(found, world_lines=lines)
     clock.lap("seed")
     certificate = certify(scene, free_space, lines)
     clock.lap("certify")
     if not certificate.holds:
-        raise SeedingError(
-            "the initial curves found do not hold their certificate: " + certificate.violations[0]
-        )
+        raise SeedingError(_broken_promises(certificate))
     return free_space, found, certificate
+
+
+def _broken_promises(certificate: Certificate) -> str:
+    """What the best initial curves miss of all that the scene asks."""
+    shown = list(certificate.violations[:MOST_VIOLATIONS])
+    more = len(certificate.violations) - len(shown)
+    shown += [f"and {more} more"] if more else []
+    return "no initial curves were found that hold their certificate; of the best ones:\n  " + (
+        "\n  ".join(shown)
+    )
 
 
 def _report(
@@ -223,14 +242,13 @@ class _Clock:
 
 
 def _run(clock: _Clock) -> dict[str, Any]:
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return {
         "started": clock.started.isoformat(),
         "seconds": {**clock.laps, "total": clock.total},
         "host": platform.node(),
         "platform": platform.platform(),
         "python": platform.python_version(),
-        "peak_memory_mib": round(peak / 1024, 1),
+        "peak_memory_mib": round(peak() / MIB, 1),
     }
 
 

@@ -22,9 +22,9 @@ from stplan.certify.certificate import certify
 from stplan.costs.term import Term
 from stplan.errors import SeedingError, UsageError
 from stplan.optimize.continuation import optimise
+from stplan.pipeline import seed as seeded
 from stplan.scene import load_scene
 from stplan.scene.model import Scene
-from stplan.seeding.portfolio import find_seed
 from stplan.world import FreeSpace, build_free_space
 from stplan.world_lines import WorldLines
 
@@ -130,7 +130,7 @@ def measure(
     for scene in scenes:
         free_space = build_free_space(scene)
         try:
-            seed = find_seed(scene, free_space, progress=lambda line: None).world_lines
+            seed = seeded(scene).seed
         except SeedingError as error:
             progress(f"{scene.name}: {str(error).splitlines()[0]}")
             continue

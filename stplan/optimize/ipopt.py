@@ -90,7 +90,7 @@ class _Callbacks:
     ) -> None:
         self._problem = problem
         self._stop = stop
-        self._rows, self._columns, self._slopes = problem.durations_jacobian()
+        self._rows, self._columns, self._slopes = problem.constraints_jacobian()
         self.accepted = start.copy()
         self.iterations = 0
         self.ipopt_mu = float(_DEFAULTS["mu_init"])
@@ -107,7 +107,7 @@ class _Callbacks:
         return self._problem.gradient(x)
 
     def constraints(self, x: FloatArray) -> FloatArray:
-        return self._problem.durations(x)
+        return self._problem.constraints(x)
 
     def jacobian(self, x: FloatArray) -> FloatArray:
         return self._slopes
@@ -174,7 +174,7 @@ def solve(
     problem.accept(start)
     callbacks = _Callbacks(problem, stop, start)
     limits = problem.limits
-    least, greatest = problem.durations_bounds()
+    least, greatest = problem.constraint_bounds()
     handle = cyipopt.Problem(
         n=problem.num_variables,
         m=len(least),
@@ -206,11 +206,13 @@ def solve(
         }
     )
     solution, info = handle.solve(start, **warm)
+    # Without this cycle the memory of Ipopt is given back at once.
+    callbacks.handle = None
     status = int(info["status"])
     if status == -12 or (status == -199 and callbacks.iterations == 0):
         raise SolverError(
-            f"Ipopt cannot use linear_solver '{linear_solver}' or one of the options in solver.ipopt; "
-            "the bundled Ipopt carries mumps"
+            f"Ipopt does not start with linear solver {linear_solver} and the options "
+            f"{dict(options)} of solver.ipopt"
         )
     solution = np.asarray(solution)
     if not np.isfinite(solution).all() or not np.isfinite(problem.value(solution)):

@@ -170,7 +170,7 @@ class SolverFile(_Model):
     )
     linear_solver: Annotated[
         str, Field(min_length=1, max_length=40, pattern=r"^[a-z][a-z0-9-]*$")
-    ] = Field(_SOLVER.linear_solver, description="Ipopt's linear solver")
+    ] = Field("mumps", description="Ipopt's linear solver; auto: the best it has")
     ipopt: Options = Field({}, description="further Ipopt options by name, passed on as they are")
 
 

@@ -37,6 +37,7 @@ from stplan.seeding.search import (
     search_curves,
 )
 from stplan.seeding.smoothing import smooth_curves
+from stplan.seeding.time_bounds import out_of_time
 from stplan.world import FreeSpace, build_seeding_mesh
 from stplan.world_lines import WorldLines
 
@@ -177,6 +178,7 @@ def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress)
     sentences = [reason.sentence for reason in hopeless(problem, free_space)]
     if sentences:
         raise SeedingError("no collision-free curves exist: " + "\n  ".join(sentences))
+    _refuse_out_of_time(scene, free_space)
     portfolio = _Portfolio(scene, problem, free_space, progress, deadline)
     for part in _parts(portfolio):
         part()
@@ -220,6 +222,13 @@ def _prepared(portfolio: _Portfolio, deadline: float) -> list[FloatArray]:
     return prepare_seed(
         problem, curves, scene.solver.knots, settings.margin, settings.rng_seed, check
     )
+
+
+def _refuse_out_of_time(scene: Scene, free_space: FreeSpace | None) -> None:
+    """Raise where it is proven that limits of motion leave someone too little time."""
+    sentences = out_of_time(scene, free_space)
+    if sentences:
+        raise SeedingError("no curves keep the limits of the scene: " + "\n  ".join(sentences))
 
 
 def _parts(portfolio: _Portfolio) -> list[Callable[[], None]]:
