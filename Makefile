@@ -37,7 +37,7 @@ gallery: $(VENV)/.installed-dev ## plan and draw every scene: docs/gallery and t
 	$(BIN)/python docs/make_gallery.py
 
 page: ## build the page of `stplan view` from its sources; needs node and npm
-	cd stplan/viewing/page && npm ci --silent --ignore-scripts=false && npm run --silent build
+	cd stplan/viewing/page && npm ci --silent && npm run --silent build
 
 clean: ## remove the virtual environment, caches and outputs
 	rm -rf $(VENV) build dist *.egg-info
