@@ -41,6 +41,7 @@ page: ## build the page of `stplan view` from its sources; needs node and npm
 
 clean: ## remove the virtual environment, caches and outputs
 	rm -rf $(VENV) build dist *.egg-info
+	rm -rf stplan/viewing/page/node_modules
 	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 	find outputs -mindepth 1 ! -name .gitkeep -delete
 	find stplan tests -name __pycache__ -prune -exec rm -rf {} +
