@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import signal
 import sys
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
 from types import FrameType
@@ -13,7 +12,10 @@ from typing import Annotated
 
 import typer
 
+from stplan import cli_viewing
 from stplan.cli_bench import benchmarks
+from stplan.cli_options import Json, Output, Overrides, Quiet, ScenePaths, Verbose
+from stplan.cli_options import serve as _serve
 from stplan.commands import (
     check_trajectories,
     compare,
@@ -22,8 +24,7 @@ from stplan.commands import (
     run_batch,
     validate_scenes,
 )
-from stplan.errors import UsageError
-from stplan.reporting import Console, failure, write
+from stplan.reporting import write
 
 _EXIT_STATUSES = """\b
 Exit status:
@@ -46,21 +47,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
-ScenePaths = Annotated[list[Path], typer.Argument(metavar="SCENE", help="Scene files (YAML).")]
-Output = Annotated[
-    Path,
-    typer.Option("--output", "-o", metavar="DIR", help="Results go to DIR/NAME/."),
-]
-Overrides = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set", metavar="KEY=VALUE", help="Override a value of the scene; may be repeated."
-    ),
-]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")]
-Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say more.")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -334,18 +320,5 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     raise KeyboardInterrupt
 
 
-def _serve(quiet: bool, verbose: bool, as_json: bool, work: Callable[[Console], int]) -> None:
-    """Do a command's work and leave with its exit status; no exception passes."""
-    try:
-        console = Console(quiet, verbose, as_json)
-        status = work(console)
-    except (Exception, KeyboardInterrupt) as error:
-        status, messages = failure(error)
-        console = Console(as_json=as_json)
-        console.error(*messages)
-        with suppress(UsageError):  # A full disk behind stdout: the messages above say enough.
-            console.result_json({"exit_status": status, "messages": messages})
-    raise typer.Exit(status)
-
-
+app.add_typer(cli_viewing.app)
 app.add_typer(benchmarks(_serve))

@@ -94,7 +94,11 @@ def _plan_one(
     def progress(line: str) -> None:
         console.progress(prefix + line)
 
-    planned = (seed if seed_only else plan)(scene, progress=progress)
+    if seed_only:
+        planned = seed(scene, progress=progress)
+    else:
+        with console.live_line(prefix) as live:
+            planned = plan(scene, progress=progress, live=live)
     # A run is checked later against the scene as it was planned, overrides and all.
     planned.report.get("scene", {})["overrides"] = list(overrides)
     with uninterrupted():
