@@ -115,6 +115,8 @@ class Problem:
         again. After short steps the Hessian is damped, as Levenberg and Marquardt do: it knows nothing of
         how distances bend, and undamped its steps along contacts are far longer than it holds true.
         """
+        if self.stiffness is None:
+            return
         if share < SHORT_STEP:
             self.damping = max(HARDER * self.damping, LEAST_DAMPING)
         elif share > LONG_STEP:

@@ -13,6 +13,7 @@ import numpy as np
 import shapely
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
+from shapely.geometry.polygon import orient
 
 from stplan.arrays import FloatArray
 from stplan.world import FreeSpace, eroded
@@ -46,9 +47,9 @@ class ShortestLengths:
         size = len(corners)
         self.lengths = csr_array((length[seen], (head[seen], tail[seen])), shape=(size, size))
 
-    def through(self, stops: FloatArray) -> float:
-        """Least length in m of a way through all `stops` (n, 2) in order."""
-        return sum(self._between(head, tail) for head, tail in pairwise(stops))
+    def legs(self, stops: FloatArray) -> list[float]:
+        """Least lengths in m of ways from each of `stops` (n, 2) to the next one."""
+        return [self._between(head, tail) for head, tail in pairwise(stops)]
 
     def _between(self, head: FloatArray, tail: FloatArray) -> float:
         straight = float(np.hypot(*(tail - head)))
@@ -82,14 +83,13 @@ def _reflex_corners(area: shapely.Geometry) -> FloatArray:
     for part in shapely.get_parts(area):
         if not isinstance(part, shapely.Polygon) or part.is_empty:
             continue
-        for ring in (part.exterior, *part.interiors):
+        # The area lies left of every ring of an oriented polygon: where it turns right, it is reflex.
+        oriented = orient(part)
+        for ring in (oriented.exterior, *oriented.interiors):
             points = np.asarray(ring.coords, dtype=np.float64)[:-1, :2]
             before, after = (
                 points - np.roll(points, 1, axis=0),
                 np.roll(points, -1, axis=0) - points,
             )
-            turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-            outside = ring is part.exterior
-            reflex = turn < 0.0 if ring.is_ccw == outside else turn > 0.0
-            found.append(points[reflex])
+            found.append(points[before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0] < 0.0])
     return np.vstack(found) if found else np.empty((0, 2))
