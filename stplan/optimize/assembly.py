@@ -131,11 +131,12 @@ class Assembly:
         """The program at barrier weight `mu`, its structure made around feasible `knots` (M, 3)."""
         setting = self._setting
         exact = setting.scene.solver.hessian == "exact"
-        limits = self.limit_terms(Barrier(mu))
-        terms = [*self.own_terms(), *self.interaction_terms(knots, mu), *limits]
-        # Near a limit steps are short because of it, not because distances bend: damping would only stall.
-        stiffness = None if limits else self.stiffness
-        return Problem(setting.layout, terms, setting.limits, exact, watch, stiffness, damping)
+        terms = [
+            *self.own_terms(),
+            *self.interaction_terms(knots, mu),
+            *self.limit_terms(Barrier(mu)),
+        ]
+        return Problem(setting.layout, terms, setting.limits, exact, watch, self.stiffness, damping)
 
     @property
     def stiffness(self) -> FloatArray:

@@ -96,6 +96,8 @@ class Problem:
         self._gradient: FloatArray | None = None
         self._floor = 0.0
         self._slack_floor = 0.0
+        # Whether contacts have refused a step since the last iterate.
+        self._touched = False
 
     @property
     def num_variables(self) -> int:
@@ -112,15 +114,15 @@ class Problem:
 
         No step from it may use up nearly all its clearance: without this fraction-to-the-boundary rule
         a long step can land a hair's breadth from contact, where the barrier is too steep to ever leave
-        again. After short steps the Hessian is damped, as Levenberg and Marquardt do: it knows nothing of
-        how distances bend, and undamped its steps along contacts are far longer than it holds true.
+        again. After steps that contacts have cut short the Hessian is damped, as Levenberg and Marquardt
+        do: it knows nothing of how distances bend, and undamped its steps along contacts are far longer
+        than it holds true.
         """
-        if self.stiffness is None:
-            return
-        if share < SHORT_STEP:
+        if share < SHORT_STEP and self._touched:
             self.damping = max(HARDER * self.damping, LEAST_DAMPING)
         elif share > LONG_STEP:
             self.damping = SOFTER * self.damping if self.damping > LEAST_DAMPING else 0.0
+        self._touched = False
         knots = x.reshape(-1, 3)
         least = self._least_clearance(knots)
         self._floor = CLEARANCE_KEPT * least if np.isfinite(least) else 0.0
@@ -156,20 +158,23 @@ class Problem:
         self._value = np.inf
         knots = x.reshape(-1, 3)
         if self._admissible(knots):
-            total = 0.0
-            for term in self.terms:
-                total += term.value(knots)
-                if not np.isfinite(total):
-                    break
-            if (
-                np.isfinite(total)
-                and self._least_clearance(knots) >= self._floor
-                and self._least_slack(knots) >= self._slack_floor
-            ):
-                self._value = total
+            self._value = self._sum(knots)
         if not np.isfinite(self._value):
             self.watch.refused += 1
         self.watch.objective += time.perf_counter() - started
+
+    def _sum(self, knots: FloatArray) -> float:
+        """All terms together, inf where one is undefined or uses up too much of its room."""
+        total = 0.0
+        for term in self.terms:
+            total += term.value(knots)
+            if not np.isfinite(total):
+                self._touched |= isinstance(term, ContactTerm)
+                return np.inf
+        if self._least_clearance(knots) < self._floor:
+            self._touched = True
+            return np.inf
+        return total if self._least_slack(knots) >= self._slack_floor else np.inf
 
     def _admissible(self, knots: FloatArray) -> bool:
         """Finite, with time running on: asked before any term may divide by a duration."""
