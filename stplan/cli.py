@@ -6,6 +6,7 @@ import signal
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from enum import StrEnum
 from pathlib import Path
 from types import FrameType
 from typing import Annotated
@@ -67,6 +68,14 @@ Overrides = Annotated[
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say more.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
+
+
+class Format(StrEnum):
+    """How a result is written; `--json` is short for JSON."""
+
+    TEXT = "text"
+    JSON = "json"
+    MARKDOWN = "markdown"
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -183,25 +192,42 @@ def check(
 
 @app.command()
 def diff(
-    a: Annotated[Path, typer.Argument(metavar="A", help="A .csv, a .npz or a run's folder.")],
+    a: Annotated[
+        Path,
+        typer.Argument(metavar="A", help="A .csv, a .npz, a run's folder or a folder of runs."),
+    ],
     b: Annotated[Path, typer.Argument(metavar="B", help="What to compare with A.")],
     *,
     atol: Annotated[float, typer.Option(help="Absolute tolerance, in m and in s.")] = 1e-9,
     rtol: Annotated[float, typer.Option(help="Relative tolerance.")] = 0.0,
+    output_format: Annotated[
+        Format | None,
+        typer.Option("--format", help="How to say it.  [default: text]", show_default=False),
+    ] = None,
     quiet: Quiet = False,
     verbose: Verbose = False,
     as_json: Json = False,
 ) -> None:
-    """Compare two trajectory files.
+    """Compare two runs, or two folders of runs; for CI.
 
-    Says which agent differs most, by how much, at which knot and when.
-    Exit status 0 when they are equal within the tolerances, 1 when they differ.
+    Says which agent differs most, by how much, at which knot and when; which agents, and of two
+    folders which runs, are only in one of them; and, where both have a report.json, whether the
+    certificate changed. A is what is expected. Two knots agree when they are at most
+    ATOL + RTOL * size apart, size being their distance to the origin (or their time).
+    Exit status 0 when all is equal within the tolerances, 1 when something differs.
 
     \b
-    Example:
+    Examples:
       stplan diff outputs/bottleneck expected/trajectories.csv --atol 1e-6
+      stplan diff golden outputs --atol 1e-6 --format markdown >> "$GITHUB_STEP_SUMMARY"
     """
-    _serve(quiet, verbose, as_json, lambda console: compare(console, a, b, atol, rtol))
+    _serve(
+        quiet, verbose, as_json or output_format == Format.JSON,
+        lambda console: compare(
+            console, a, b, atol, rtol,
+            markdown=not as_json and output_format == Format.MARKDOWN,
+        ),
+    )  # fmt: skip
 
 
 @app.command()

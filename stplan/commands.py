@@ -153,19 +153,25 @@ def check_trajectories(
     return status
 
 
-def compare(console: Console, a: Path, b: Path, atol: float, rtol: float) -> int:
-    """Say where two sets of trajectories differ."""
+def compare(
+    console: Console, a: Path, b: Path, atol: float, rtol: float, *, markdown: bool = False
+) -> int:
+    """Say where two runs, or two folders of runs, differ."""
     for name, value in (("--atol", atol), ("--rtol", rtol)):
         if not (math.isfinite(value) and value >= 0):
             raise UsageError(f"{name} is {value}; expected a finite number, at least 0")
-    from stplan.files.compare import compare_trajectories
-    from stplan.files.trajectories import read_trajectories
+    from stplan.files.compare_markdown import markdown_lines
+    from stplan.files.compare_runs import RunDifference, compare_runs
 
-    difference = compare_trajectories(read_trajectories(a), read_trajectories(b), atol, rtol)
+    difference = compare_runs(a, b, atol, rtol)
     status = 0 if difference.equal else 1
-    console.result(*difference.lines())
-    if console.verbose and difference.equal:
-        console.result(*(agent.sentence() for agent in difference.agents))
+    console.result(*(markdown_lines(difference) if markdown else difference.lines()))
+    if console.verbose and not markdown:
+        runs = (difference,) if isinstance(difference, RunDifference) else difference.runs
+        for run in runs:
+            if run.equal:
+                prefix = f"{run.run}: " if run.run else ""
+                console.result(*(prefix + agent.sentence() for agent in run.trajectories.agents))
     console.result_json({"exit_status": status, **difference.as_dict()})
     return status
 
