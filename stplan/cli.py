@@ -17,6 +17,7 @@ from stplan.commands import (
     bench_seeding,
     check_trajectories,
     compare,
+    explain,
     plan_scenes,
     print_schema,
     validate_scenes,
@@ -226,6 +227,51 @@ def diff(
         lambda console: compare(
             console, a, b, atol, rtol,
             markdown=not as_json and output_format == Format.MARKDOWN,
+        ),
+    )  # fmt: skip
+
+
+@app.command("explain")
+def explain_command(
+    run_or_scene: Annotated[
+        Path, typer.Argument(metavar="RUN_OR_SCENE", help="Folder of a run, or a scene file.")
+    ],
+    trajectories: Annotated[
+        Path | None,
+        typer.Argument(metavar="TRAJECTORIES", help="A .csv, a .npz or the folder of a run."),
+    ] = None,
+    *,
+    everything: Annotated[
+        bool, typer.Option("--all", help="Everything, not only the most important.")
+    ] = False,
+    time_limit: Annotated[
+        float,
+        typer.Option(help="Of a scene: longest search for initial curves, s; 0 leaves it out."),
+    ] = 10.0,
+    overrides: Overrides = None,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    as_json: Json = False,
+) -> None:
+    """Say in words what is tight, who waits for whom, and why.
+
+    Of a run, or of any trajectories against a scene: the pairs and walls that leave least room, who
+    waits for whom, who is late, and who goes how much further than alone. Of a scene by itself:
+    which places are narrow for which radii, who would meet whom, and whether initial curves are
+    found; if not, whom that concerns, where and when.
+    Exit status 0; 1 where the certificate is broken, 3 where no initial curves were found.
+
+    \b
+    Examples:
+      stplan explain outputs/bottleneck
+      stplan explain scenes/tight/cabin.yaml --all
+      stplan explain scenes/bottleneck/bottleneck.yaml outputs/bottleneck/seed.csv --json
+    """
+    _serve(
+        quiet, verbose, as_json,
+        lambda console: explain(
+            console, run_or_scene, trajectories, overrides or [], time_limit,
+            everything=everything,
         ),
     )  # fmt: skip
 

@@ -17,7 +17,7 @@ from stplan.scene.model import (
 )
 
 MESH_SUFFIXES = (".obj", ".ply", ".off", ".stl", ".glb")
-LARGEST_MESH = 200 * 1024 * 1024
+LARGEST_MESH = 100 * 1024 * 1024
 
 
 def compile_map(entry: MapFile, directory: Path, faults: list[Fault]) -> MapSpec:

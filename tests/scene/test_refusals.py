@@ -400,7 +400,7 @@ def test_pair(entry, message):
         ('{mesh: "a\\0.obj"}', ["4:7: map.mesh: there is no file 'a\\x00.obj' beside the scene"]),
         ("{mesh: .}", ["4:7: map.mesh: '.' is no regular file; a mesh file is expected"]),
         ("{mesh: pipe.obj}", ["4:7: map.mesh: 'pipe.obj' is no regular file; a mesh file is"]),
-        ("{mesh: big.obj}", ["4:7: map.mesh: 'big.obj' is larger than 200 MiB"]),
+        ("{mesh: big.obj}", ["4:7: map.mesh: 'big.obj' is larger than 100 MiB"]),
         (
             "{mesh: map.txt}",
             ["4:7: map.mesh: is 'map.txt'; a file that ends in .obj, .ply, .off, .stl, .glb is"],
@@ -412,7 +412,7 @@ def test_map(tmp_path, entry, messages):
     (tmp_path / "map.txt").write_text("")
     os.mkfifo(tmp_path / "pipe.obj")
     with (tmp_path / "big.obj").open("wb") as file:
-        file.truncate(201 * 2**20)
+        file.truncate(101 * 2**20)
     found = refusals(edited("agents:", f"map: {entry}\nagents:"), tmp_path)
     assert len(found) == len(messages)
     for message, expected in zip(found, messages, strict=True):
