@@ -40,7 +40,6 @@ app = typer.Typer(
     help="Plan collision-free space-time trajectories for many unequal agents in tight spaces.",
     epilog=_EXIT_STATUSES,
     no_args_is_help=True,
-    add_completion=False,
     # Plain help and errors: they are read in logs and through pipes as often as in a terminal.
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
