@@ -13,8 +13,8 @@ from typing import Annotated
 
 import typer
 
+from stplan.cli_bench import benchmarks
 from stplan.commands import (
-    bench_seeding,
     check_trajectories,
     compare,
     explain,
@@ -45,14 +45,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
-benchmarks = typer.Typer(
-    name="bench",
-    help="Measure the planner on generated scenes.",
-    no_args_is_help=True,
-    rich_markup_mode=None,
-)
-app.add_typer(benchmarks)
 
 ScenePaths = Annotated[list[Path], typer.Argument(metavar="SCENE", help="Scene files (YAML).")]
 Output = Annotated[
@@ -310,52 +302,6 @@ def schema() -> None:
     _serve(False, False, True, print_schema)
 
 
-@benchmarks.callback()
-def _benchmarks() -> None:
-    """Measure the planner on generated scenes."""
-
-
-@benchmarks.command("seeding")
-def bench_seeding_command(
-    *,
-    output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="DIR", help="Results go to DIR.")
-    ] = Path("outputs/bench"),
-    draws: Annotated[
-        int | None,
-        typer.Option(min=1, help="Scenes a family.  [default: 3; 20 with --full]"),
-    ] = None,
-    families: Annotated[
-        str, typer.Option(metavar="A,B", help="Only these families or kinds of them.")
-    ] = "",
-    time_limit: Annotated[
-        float | None,
-        typer.Option(
-            min=0.1, help="Seconds for the search of one seed.  [default: 5; 60 with --full]"
-        ),
-    ] = None,
-    full: Annotated[bool, typer.Option("--full", help="All sizes and more draws.")] = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-) -> None:
-    """Measure how often and how fast seeds are found.
-
-    Writes seeding.csv, a row a draw, and seeding.md, a row a family.
-
-    \b
-    Examples:
-      stplan bench seeding
-      stplan bench seeding --families door,circle --draws 5
-      stplan bench seeding --full -o outputs/bench
-    """
-    _serve(
-        quiet, verbose, False,
-        lambda console: bench_seeding(
-            console, output, draws, families.split(","), time_limit, full=full
-        ),
-    )  # fmt: skip
-
-
 def _interrupt(number: int, frame: FrameType | None) -> None:
     del number, frame
     raise KeyboardInterrupt
@@ -373,3 +319,6 @@ def _serve(quiet: bool, verbose: bool, as_json: bool, work: Callable[[Console], 
         with suppress(UsageError):  # A full disk behind stdout: the messages above say enough.
             console.result_json({"exit_status": status, "messages": messages})
     raise typer.Exit(status)
+
+
+app.add_typer(benchmarks(_serve))

@@ -247,29 +247,3 @@ def print_schema(console: Console) -> int:
 
     console.result_json(scene_schema())
     return 0
-
-
-def bench_seeding(
-    console: Console,
-    output: Path,
-    draws: int | None,
-    families: Sequence[str],
-    time_limit: float | None,
-    *,
-    full: bool,
-) -> int:
-    """Measure the seeder on generated families of scenes."""
-    from stplan.bench import seeding
-    from stplan.bench.seeding_table import markdown_text, write_measurements
-
-    chosen = seeding.chosen_families(families, full=full)
-    measurements = seeding.measure(
-        chosen,
-        draws or (seeding.FULL_DRAWS if full else seeding.SMALL_DRAWS),
-        time_limit or (seeding.FULL_LIMIT if full else seeding.SMALL_LIMIT),
-        progress=console.progress,
-    )
-    files = write_measurements(output, measurements)
-    console.progress(f"wrote {' and '.join(map(str, files))}")
-    console.result(markdown_text(measurements).rstrip())
-    return 0

@@ -9,7 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
@@ -24,9 +24,11 @@ from stplan.files.json_file import json_bytes
 from stplan.files.trajectories import write_files
 from stplan.optimize.continuation import Optimisation, optimise
 from stplan.optimize.ipopt import versions as ipopt_versions
+from stplan.optimize.settle import settle
 from stplan.scene.model import Scene
-from stplan.seeding.portfolio import Seed, find_seed
+from stplan.seeding.portfolio import Seed
 from stplan.smooth_distance.segments import squared_distance
+from stplan.starts import best_seed
 from stplan.world import FreeSpace, build_free_space, check_scene_in_world
 from stplan.world_lines import WorldLines
 
@@ -146,9 +148,15 @@ def _seeded(
     clock.lap("world")
     if not compiled_before(squared_distance):
         say("compiling, once after installation: this takes about a quarter of a minute")
-    found = find_seed(scene, free_space, progress=say)
+    found = best_seed(scene, free_space, progress=say)
+    with _interruptible() as interrupted:
+        lines = settle(
+            scene, free_space, found.world_lines, found.meetings,
+            progress=say, interrupted=interrupted,
+        )  # fmt: skip
+    found = replace(found, world_lines=lines)
     clock.lap("seed")
-    certificate = certify(scene, free_space, found.world_lines)
+    certificate = certify(scene, free_space, lines)
     clock.lap("certify")
     if not certificate.holds:
         raise SeedingError(

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import astuple, fields
-from pathlib import Path
+from dataclasses import asdict
 
 import numpy as np
 
+from stplan.bench.csv_table import csv_table
+from stplan.bench.markdown import table
 from stplan.bench.seeding import Measurement, growth_exponent
-from stplan.files.atomic import write_set
 
 _HEAD = (
     "family",
@@ -25,45 +23,26 @@ _HEAD = (
 )
 
 
+def files(measurements: Sequence[Measurement]) -> dict[str, bytes]:
+    """Names and contents of the files of the measurement."""
+    return {
+        "seeding.csv": csv_text(measurements).encode(),
+        "seeding.md": markdown_text(measurements).encode(),
+    }
+
+
 def csv_text(measurements: Sequence[Measurement]) -> str:
     """One row a draw."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow([field.name for field in fields(Measurement)])
-    for one in measurements:
-        writer.writerow(_plain(value) for value in astuple(one))
-    return stream.getvalue()
-
-
-def _plain(value: object) -> str:
-    if isinstance(value, bool):
-        return str(int(value))
-    if isinstance(value, float):
-        return "" if np.isnan(value) else f"{value:.6g}"
-    return str(value)
+    return csv_table([asdict(one) for one in measurements])
 
 
 def markdown_text(measurements: Sequence[Measurement]) -> str:
     """One row a family, padded to be read as it stands, and the growth with agents."""
-    rows = [_HEAD, *_rows(measurements)]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(_HEAD))]
-
-    def line(cells: Sequence[str]) -> str:
-        padded = [
-            cell.rjust(width) if 0 < column < len(_HEAD) - 1 else cell.ljust(width)
-            for column, (cell, width) in enumerate(zip(cells, widths, strict=True))
-        ]
-        return f"| {' | '.join(padded)} |"
-
-    rule = [
-        "-" * (width - 1) + ":" if 0 < column < len(_HEAD) - 1 else "-" * width
-        for column, width in enumerate(widths)
-    ]
-    lines = [line(_HEAD), f"| {' | '.join(rule)} |", *(line(row) for row in rows[1:])]
+    text = table(_HEAD, _rows(measurements), {0, len(_HEAD) - 1})
     exponent = growth_exponent(measurements)
     if exponent is not None:
-        lines += ["", f"Time on the open field grows with agents^{exponent:.2f} (fitted)."]
-    return "\n".join(lines) + "\n"
+        text += f"\nTime on the open field grows with agents^{exponent:.2f} (fitted).\n"
+    return text
 
 
 def _rows(measurements: Sequence[Measurement]) -> list[tuple[str, ...]]:
@@ -85,18 +64,3 @@ def _rows(measurements: Sequence[Measurement]) -> list[tuple[str, ...]]:
             )
         )
     return rows
-
-
-def write_measurements(folder: Path, measurements: Sequence[Measurement]) -> list[Path]:
-    """Write `seeding.csv` and `seeding.md` into `folder` and return their paths.
-
-    Raises:
-        UsageError: they cannot be written.
-    """
-    return write_set(
-        folder,
-        {
-            "seeding.csv": csv_text(measurements).encode(),
-            "seeding.md": markdown_text(measurements).encode(),
-        },
-    )

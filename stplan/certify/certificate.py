@@ -1,8 +1,8 @@
 """The certificate: what every written trajectory promises, checked in continuous time.
 
 Starts, ends and times; distances of every interacting pair at every instant at which both are present;
-distances of every path to the walls; waypoints and given paths. Interactions that the scene switches off
-are counted, not demanded.
+distances of every path to the walls; waypoints, meetings, limits of motion and given paths. Interactions
+that the scene switches off are counted, not demanded.
 """
 
 from __future__ import annotations
@@ -13,15 +13,15 @@ from typing import Any
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.certify.pair_clearance import least_distances
+from stplan.certify.meetings import MeetingSpot, meeting_spots
+from stplan.certify.motion import PLACE_TOLERANCE, Peak, missed_visit, motion_peaks
+from stplan.certify.pair_clearance import nearest_moments
 from stplan.certify.wall_clearance import time_at, wall_distance
 from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Agent, Scene
 from stplan.world import FreeSpace
 from stplan.world_lines import WorldLines
 
-# A waypoint counts as passed within this distance (m), a given path as followed.
-PLACE_TOLERANCE = 1e-6
 # Columns of a row in the report.
 _COLUMNS = ("a", "b", "clearance", "time", "x", "y")
 
@@ -52,6 +52,8 @@ class Certificate:
         pairs: smallest clearance of every demanded pair, in scene order.
         walls: smallest clearance of every agent that heeds walls.
         ignored_pairs, ignored_walls: how many interactions the scene switches off.
+        limits: greatest speed and acceleration of every agent that has a limit.
+        meetings: the nearest moment of every pair that has to meet.
     """
 
     violations: tuple[str, ...]
@@ -59,6 +61,8 @@ class Certificate:
     walls: tuple[Tightest, ...]
     ignored_pairs: int
     ignored_walls: int
+    limits: tuple[Peak, ...] = ()
+    meetings: tuple[MeetingSpot, ...] = ()
 
     @property
     def holds(self) -> bool:
@@ -93,6 +97,14 @@ class Certificate:
                 "columns": ["agent", *_COLUMNS[2:]],
                 "rows": [row(spot) for spot in self.walls],
             },
+            "limits": {
+                "columns": ["agent", "limit", "allowed", "reached", "time"],
+                "rows": [[p.agent, p.limit, p.allowed, p.reached, p.time] for p in self.limits],
+            },
+            "meetings": {
+                "columns": ["a", "b", "within", "distance", "time", "x", "y"],
+                "rows": [[*m.who, m.within, m.distance, m.time, *m.place] for m in self.meetings],
+            },
             "not_demanded": {"pairs": self.ignored_pairs, "walls": self.ignored_walls},
         }
 
@@ -114,7 +126,18 @@ def certify(scene: Scene, free_space: FreeSpace | None, lines: WorldLines) -> Ce
         return Certificate(tuple(violations), (), (), 0, 0)
     pairs, ignored_pairs, close = _check_pairs(scene, curves)
     walls, ignored_walls, through = _check_walls(scene, free_space, curves)
-    return Certificate(tuple(close + through), pairs, walls, ignored_pairs, ignored_walls)
+    peaks = [
+        peak
+        for agent, curve in zip(scene.agents, curves, strict=True)
+        for peak in motion_peaks(agent, curve)
+    ]
+    meetings = meeting_spots(scene, curves, _leaves(scene, curves))
+    broken = [str(peak) for peak in peaks if not peak.holds]
+    broken += [str(meeting) for meeting in meetings if not meeting.holds]
+    return Certificate(
+        tuple(close + through + broken), pairs, walls, ignored_pairs, ignored_walls,
+        tuple(peaks), tuple(meetings),
+    )  # fmt: skip
 
 
 def _agents_that_differ(scene: Scene, lines: WorldLines) -> list[str]:
@@ -148,12 +171,9 @@ def _broken_ends(agent: Agent, curve: FloatArray) -> list[str]:
         sentences.append(f"{agent.id}: arrives at {curve[-1, 2]} s, after {agent.max_time} s")
     if sentences:
         return sentences
-    after = -np.inf
-    for number, waypoint in enumerate(agent.waypoints, start=1):
-        passed = _first_pass(curve, waypoint, after)
-        if passed is None:
-            return [f"{agent.id}: does not pass waypoint {number} {waypoint} in order"]
-        after = passed
+    missed = missed_visit(agent, curve)
+    if missed:
+        return [missed]
     if agent.path is not None:
         given = np.array(agent.path)
         times = np.union1d(given[:, 2], curve[:, 2])
@@ -169,57 +189,39 @@ def _broken_ends(agent: Agent, curve: FloatArray) -> list[str]:
     return []
 
 
-def _first_pass(curve: FloatArray, point: tuple[float, float], after: float) -> float | None:
-    """The first time from `after` on at which a curve passes `point`, None if never."""
-    start, step = curve[:-1], np.diff(curve, axis=0)
-    squared = (step[:, :2] ** 2).sum(axis=1)
-    low = np.clip((after - start[:, 2]) / step[:, 2], 0.0, 1.0)
-    along = ((point - start[:, :2]) * step[:, :2]).sum(axis=1) / np.where(squared > 0, squared, 1)
-    along = np.clip(along, low, 1.0)
-    gap = np.hypot(*(start[:, :2] + along[:, None] * step[:, :2] - point).T)
-    times = start[:, 2] + along * step[:, 2]
-    hits = np.flatnonzero((gap <= PLACE_TOLERANCE) & (curve[1:, 2] >= after))
-    return float(times[hits[0]]) if len(hits) else None
+def _leaves(scene: Scene, curves: list[FloatArray]) -> FloatArray:
+    """(A,) until when every agent is present, s."""
+    return np.array(
+        [
+            scene.final_time if agent.after_arrival == "stay" else curve[-1, 2]
+            for agent, curve in zip(scene.agents, curves, strict=True)
+        ]
+    )
 
 
 def _check_pairs(
     scene: Scene, curves: list[FloatArray]
 ) -> tuple[tuple[Tightest, ...], int, list[str]]:
     interactions = scene_interactions(scene)
-    count = int(np.triu(interactions.collides).sum())
-    total = len(curves) * (len(curves) - 1) // 2
-    leaves = np.array(
-        [
-            scene.final_time if agent.after_arrival == "stay" else curve[-1, 2]
-            for agent, curve in zip(scene.agents, curves, strict=True)
-        ]
-    )
-    pairs = np.empty((count, 2), dtype=np.int64)
-    distance = np.empty(count)
-    instant = np.empty(count)
     lines = WorldLines.from_curves([agent.id for agent in scene.agents], curves)
-    least_distances(
-        lines.knots, lines.offsets, leaves, interactions.collides, pairs, distance, instant
-    )
+    found = nearest_moments(lines, _leaves(scene, curves), interactions.collides)
+    needs = interactions.distance[found.pairs[:, 0], found.pairs[:, 1]]
+    columns = (found.pairs, found.distance, needs, found.instant, found.middle)
+    rows = zip(*(column.tolist() for column in columns), strict=True)
+    ignored = len(curves) * (len(curves) - 1) // 2 - len(found.pairs)
     spots, sentences = [], []
-    for (a, b), gap, when in zip(pairs.tolist(), distance.tolist(), instant.tolist(), strict=True):
+    for (a, b), gap, needed, when, (x, y) in rows:
         if not np.isfinite(gap):
             continue
-        needed = float(interactions.distance[a, b])
-        middle = [
-            0.5 * (np.interp(when, curves[a][:, 2], curves[a][:, x])
-                   + np.interp(when, curves[b][:, 2], curves[b][:, x]))
-            for x in range(2)
-        ]  # fmt: skip
         names = (scene.agents[a].id, scene.agents[b].id)
-        spot = Tightest(names, gap - needed, when, (float(middle[0]), float(middle[1])))
+        spot = Tightest(names, gap - needed, when, (x, y))
         spots.append(spot)
         if gap <= needed:
             sentences.append(
                 f"{names[0]} and {names[1]}: {gap:.6g} m apart at t = {when:.6g} s, "
-                f"({middle[0]:.4g}, {middle[1]:.4g}); more than {needed:.6g} m is needed"
+                f"({x:.4g}, {y:.4g}); more than {needed:.6g} m is needed"
             )
-    return tuple(spots), total - count, sentences
+    return tuple(spots), ignored, sentences
 
 
 def _check_walls(

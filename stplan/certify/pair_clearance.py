@@ -7,14 +7,53 @@ the optimiser on purpose: it is what the optimiser's answers are judged by.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.compiled import kernel
+from stplan.world_lines import WorldLines
+
+
+@dataclass(frozen=True)
+class NearestMoments:
+    """The nearest moment of every pair asked for, in the order of agents.
+
+    Attributes:
+        pairs: (P, 2) agents a < b.
+        distance: (P,) m, inf where the two are never present together.
+        instant: (P,) s.
+        middle: (P, 2) m, halfway between the two then.
+    """
+
+    pairs: IntArray
+    distance: FloatArray
+    instant: FloatArray
+    middle: FloatArray
+
+
+def nearest_moments(lines: WorldLines, leaves: FloatArray, wanted: BoolArray) -> NearestMoments:
+    """When and where the agents of every wanted pair are nearest to each other.
+
+    Args:
+        leaves: (A,) until when each agent is present, at or after its last knot; it stands still
+            after the last knot.
+        wanted: (A, A), asked for a < b.
+    """
+    count = int(np.triu(wanted, 1).sum())
+    found = NearestMoments(
+        np.empty((count, 2), dtype=np.int64), np.empty(count), np.empty(count), np.empty((count, 2))
+    )
+    _fill(
+        lines.knots, lines.offsets, leaves, wanted,
+        found.pairs, found.distance, found.instant, found.middle,
+    )  # fmt: skip
+    return found
 
 
 @kernel
-def least_distances(
+def _fill(
     knots: FloatArray,
     offsets: IntArray,
     leaves: FloatArray,
@@ -22,23 +61,14 @@ def least_distances(
     pairs: IntArray,
     distance: FloatArray,
     instant: FloatArray,
-) -> int:
-    """Fill one row a wanted pair (a < b) and return their number.
-
-    Args:
-        knots: (M, 3) x, y [m], t [s]; agent a owns rows ``offsets[a]:offsets[a + 1]``.
-        leaves: (A,) until when each agent is present, at or after its last knot; it stands still
-            after the last knot.
-        wanted: (A, A).
-        pairs, distance, instant: (P, 2), (P,) m, (P,) s of the least distance; the distance is inf
-            for pairs never present together.
-    """
+    middle: FloatArray,
+) -> None:
     count = 0
     for a in range(len(leaves)):
         for b in range(a + 1, len(leaves)):
             if not wanted[a, b]:
                 continue
-            best, when = _least_distance(
+            best, when, x, y = _least_distance(
                 knots[offsets[a] : offsets[a + 1]],
                 knots[offsets[b] : offsets[b + 1]],
                 leaves[a],
@@ -48,20 +78,24 @@ def least_distances(
             pairs[count, 1] = b
             distance[count] = best
             instant[count] = when
+            middle[count, 0] = x
+            middle[count, 1] = y
             count += 1
-    return count
 
 
 @kernel
 def _least_distance(
     first: FloatArray, second: FloatArray, first_leaves: float, second_leaves: float
-) -> tuple[float, float]:
+) -> tuple[float, float, float, float]:
+    """Least distance, when, and the point halfway between the two at that time."""
     begin = max(first[0, 2], second[0, 2])
     end = min(first_leaves, second_leaves)
     best = np.inf
     when = begin
+    middle_x = np.nan
+    middle_y = np.nan
     if end < begin:
-        return best, when
+        return best, when, middle_x, middle_y
     i = 0
     j = 0
     now = begin
@@ -90,8 +124,10 @@ def _least_distance(
         if gap < best:
             best = gap
             when = now + fraction * (until - now)
+            middle_x = 0.5 * (ax + bx + fraction * (cx - ax + dx - bx))
+            middle_y = 0.5 * (ay + by + fraction * (cy - ay + dy - by))
         if until >= end:
-            return best, when
+            return best, when, middle_x, middle_y
         now = until
 
 

@@ -179,9 +179,10 @@ class ContactTerm(Term):
         return result
 
     def stale(self) -> BoolArray | None:
-        """Which contacts are felt but miss the structure."""
+        """Which contacts miss the structure although their curvature matters."""
         missing = (self._places == _MISSING).any(axis=1)
-        return missing & (self._coefficients.slope != 0)
+        curvature = self._coefficients.majorizer
+        return missing & (curvature > NOTICEABLE * curvature.max(initial=0.0))
 
     # Second derivatives.
 
@@ -263,6 +264,9 @@ class ContactTerm(Term):
         return values
 
 
+# A contact as soft as this, against the stiffest one, may miss the Hessian for a while: it hardly
+# slows the descent, and its value and gradient are exact all the same.
+NOTICEABLE = 1e-2
 # exp(-36) is below the rounding of a sum of order one.
 NEGLIGIBLE = 36.0
 

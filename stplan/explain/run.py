@@ -9,7 +9,7 @@ from stplan.certify.certificate import Certificate, certify
 from stplan.explain.detours import detours, ways_alone
 from stplan.explain.explanation import Explanation, Remark, Section, count
 from stplan.explain.lateness import lateness
-from stplan.explain.tightness import tight_pairs, tight_walls
+from stplan.explain.tightness import limits_and_meetings, tight_pairs, tight_walls
 from stplan.explain.waiting import waiting, waits
 from stplan.scene.model import Scene
 from stplan.world import FreeSpace
@@ -59,6 +59,7 @@ def motion(
     return [
         tight_pairs(scene, certificate),
         tight_walls(scene, certificate),
+        *limits_and_meetings(certificate),
         waiting(scene, found),
         lateness(scene, lines, found),
         detours(scene, lines, ways_alone(scene, free_space)),

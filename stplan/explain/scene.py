@@ -9,7 +9,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray
 from stplan.certify.certificate import certify
-from stplan.certify.pair_clearance import least_distances
+from stplan.certify.pair_clearance import nearest_moments
 from stplan.errors import SeedingError
 from stplan.explain.detours import ways_alone
 from stplan.explain.explanation import Explanation, Fact, Remark, Section, at, count, metres
@@ -114,22 +114,16 @@ def _encounters(scene: Scene, alone: Sequence[FloatArray | None]) -> Section:
             for a, curve in zip(able, curves, strict=True)
         ]
     )
-    pairs = np.empty((total, 2), dtype=np.int64)
-    distance, instant = np.empty(total), np.empty(total)
-    least_distances(lines.knots, lines.offsets, leaves, wanted, pairs, distance, instant)
-    overlap = interactions.distance[np.ix_(able, able)][pairs[:, 0], pairs[:, 1]] - distance
+    found = nearest_moments(lines, leaves, wanted)
+    overlap = interactions.distance[np.ix_(able, able)][tuple(found.pairs.T)] - found.distance
     facts = []
-    for k in np.argsort(-overlap, kind="stable"):
+    for k in np.argsort(-overlap, kind="stable").tolist():
         if overlap[k] <= 0:
             break
-        when, (a, b) = float(instant[k]), pairs[k].tolist()
-        here = [
-            float(np.mean([np.interp(when, lines.curve(n)[:, 2], lines.curve(n)[:, x])
-                           for n in (a, b)]))
-            for x in (0, 1)
-        ]  # fmt: skip
+        a, b = found.pairs[k].tolist()
+        x, y = found.middle[k].tolist()
         who = (lines.agent_ids[a], lines.agent_ids[b])
-        facts.append(Encounter(who, float(overlap[k]), when, (here[0], here[1])))
+        facts.append(Encounter(who, float(overlap[k]), float(found.instant[k]), (x, y)))
     if not facts:
         return Section(
             "encounters",

@@ -66,6 +66,65 @@ def tight_walls(scene: Scene, certificate: Certificate) -> Section:
     return _section("walls", "To the walls", spots, what, "no agent has walls to mind")
 
 
+@dataclass(frozen=True)
+class NearLimit:
+    """How near an agent comes to a limit of its motion, and when (s)."""
+
+    agent: str
+    limit: str
+    allowed: float
+    reached: float
+    time: float
+
+    def sentence(self) -> str:
+        """In words."""
+        unit = "m/s" if self.limit == "speed" else "m/s2"
+        return (
+            f"{self.agent}: {self.limit} {self.reached:.3g} of {self.allowed:.3g} {unit}, "
+            f"at t = {self.time:.2f} s"
+        )
+
+
+@dataclass(frozen=True)
+class NearMeeting:
+    """How near two agents that have to meet come, m, s."""
+
+    who: tuple[str, str]
+    within: float
+    distance: float
+    time: float
+    place: tuple[float, float]
+
+    def sentence(self) -> str:
+        """In words."""
+        return (
+            f"{' and '.join(self.who)} meet at t = {self.time:.2f} s near {at(self.place)}, "
+            f"{metres(self.distance)} apart of at most {metres(self.within)}"
+        )
+
+
+def limits_and_meetings(certificate: Certificate) -> list[Section]:
+    """Limits of motion that are used up, and meetings; no section for a scene without."""
+    sections = []
+    if certificate.limits:
+        facts = [NearLimit(p.agent, p.limit, p.allowed, p.reached, p.time)
+                 for p in certificate.limits if p.reached > (1 - TIGHT) * p.allowed]  # fmt: skip
+        facts.sort(key=lambda fact: -fact.reached / fact.allowed)
+        lead = f"{len(facts)} of {count(len(certificate.limits), 'limit')} of motion are used up"
+        sections.append(
+            Section(
+                "limits", "Limits", f"{lead} to within {TIGHT:.0%}{':' if facts else '.'}", facts
+            )
+        )
+    if certificate.meetings:
+        met = [NearMeeting(m.who, m.within, m.distance, m.time, m.place)
+               for m in certificate.meetings if m.holds]  # fmt: skip
+        verb = "takes" if len(met) == 1 else "take"
+        lead = f"{len(met)} of {count(len(certificate.meetings), 'meeting')} {verb} place"
+        sections.append(Section("meetings", "Meetings", lead + (":" if met else "."), met))
+    return sections
+
+
 def _spot(spot: Tightest, needed: float) -> TightSpot:
     return TightSpot(spot.who, spot.clearance, needed, spot.time, spot.place)
 

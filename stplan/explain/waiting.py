@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.certify.pair_clearance import least_distances
+from stplan.certify.pair_clearance import nearest_moments
 from stplan.explain.explanation import Section, at, count, metres
 from stplan.scene.interactions import Interactions, scene_interactions
 from stplan.scene.model import Scene
@@ -133,7 +133,10 @@ def _waits_of(scene: Scene, interactions: Interactions, lines: WorldLines, a: in
             scene.agents[a].id, begin, end, lost, length / (end - begin), pace,
             (middle[0], middle[1]), meeting,
         )  # fmt: skip
-        if wait.meeting is not None or wait.is_wait:
+        agent = scene.agents[a]
+        # Some have to be slow, whoever is there: to set off, or at a waypoint for a while.
+        free = not agent.visits and agent.max_acceleration is None
+        if wait.meeting is not None or (wait.is_wait and free):
             found.append(wait)
     return found
 
@@ -168,14 +171,12 @@ def _first_meeting(
     )
     wanted = np.zeros((len(leaves), len(leaves)), dtype=bool)
     wanted[0, 1:] = True
-    pairs = np.empty((len(others), 2), dtype=np.int64)
-    distance, instant = np.empty(len(others)), np.empty(len(others))
-    least_distances(crowd.knots, crowd.offsets, leaves, wanted, pairs, distance, instant)
-    overlap = interactions.distance[a, others] - distance
+    found = nearest_moments(crowd, leaves, wanted)
+    overlap = interactions.distance[a, others] - found.distance
     near = np.flatnonzero(overlap > 0)
     if not len(near):
         return None
-    first = int(near[np.argmin(instant[near])])
-    when = float(instant[first])
+    first = int(near[np.argmin(found.instant[near])])
+    when = float(found.instant[first])
     place = [float(np.interp(when, curve[:, 2], curve[:, x])) for x in (0, 1)]
     return Meeting(crowd.agent_ids[first + 1], float(overlap[first]), when, (place[0], place[1]))

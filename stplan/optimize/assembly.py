@@ -8,14 +8,19 @@ import numpy as np
 
 from stplan.arrays import FloatArray
 from stplan.costs.acceleration import Acceleration
+from stplan.costs.acceleration_limit import AccelerationLimit, RestLimit
 from stplan.costs.arrival import Arrival
 from stplan.costs.collision import Collision
 from stplan.costs.grouping import Grouping
 from stplan.costs.kinetic import Kinetic
+from stplan.costs.limit import Barrier, Limit, Profile
+from stplan.costs.meeting import MeetingLimit
 from stplan.costs.regularity import Regularity
 from stplan.costs.rods import Rods
+from stplan.costs.speed_limit import SpeedLimit
 from stplan.costs.term import Term
 from stplan.costs.wall import Wall
+from stplan.optimize.appointments import Appointments
 from stplan.optimize.problem import Limits, Problem, Stopwatch
 from stplan.optimize.scales import Scales
 from stplan.scene.interactions import Interactions
@@ -23,8 +28,6 @@ from stplan.scene.model import Scene
 from stplan.world import FreeSpace
 from stplan.world_lines import KnotLayout
 
-# A waypoint is the knot of the seed nearest to it, which must lie this close (m).
-WAYPOINT_TOLERANCE = 1e-9
 # Smallest duration of a segment over the mean one; and over the seed's own, where that is shorter.
 LEAST_DURATION_SHARE = 1e-3
 SEED_DURATION_SHARE = 0.1
@@ -45,11 +48,22 @@ class Setting:
     layout: KnotLayout
     scales: Scales
     limits: Limits
+    appointments: Appointments
     padding: float
 
 
-def build_limits(scene: Scene, layout: KnotLayout, seed: FloatArray) -> Limits:
-    """Bounds around `seed` (M, 3): fixed starts, goals, waypoints and paths; latest arrivals."""
+def build_limits(
+    scene: Scene,
+    layout: KnotLayout,
+    seed: FloatArray,
+    appointments: Appointments,
+    *,
+    timed: bool = True,
+) -> Limits:
+    """Bounds around `seed` (M, 3): fixed starts, goals, waypoints and paths; latest arrivals.
+
+    Unless `timed`, visits and meetings are free in time.
+    """
     lower = np.full(seed.shape, -2e19)
     upper = np.full(seed.shape, 2e19)
     for a, agent in enumerate(scene.agents):
@@ -61,25 +75,24 @@ def build_limits(scene: Scene, layout: KnotLayout, seed: FloatArray) -> Limits:
         lower[first] = upper[first] = seed[first]
         lower[last, :2] = upper[last, :2] = seed[last, :2]
         upper[last, 2] = agent.max_time
-        for knot in waypoint_knots(seed[own], agent.waypoints):
-            lower[first + knot, :2] = upper[first + knot, :2] = seed[first + knot, :2]
+    places = appointments.places
+    lower[places, :2] = upper[places, :2] = seed[places, :2]
     step = seed[layout.segment + 1, 2] - seed[layout.segment, 2]
     mean = ((seed[layout.last, 2] - seed[layout.first, 2]) / layout.num_segments)[
         layout.agent_of_segment
     ]
-    return Limits(lower, upper, np.minimum(LEAST_DURATION_SHARE * mean, SEED_DURATION_SHARE * step))
-
-
-def waypoint_knots(curve: FloatArray, waypoints: tuple[tuple[float, float], ...]) -> list[int]:
-    """Index of the knot that passes each waypoint, in order; `curve` is (n + 1, 3)."""
-    found: list[int] = []
-    at = 0
-    for waypoint in waypoints:
-        distance = np.hypot(*(curve[at:, :2] - waypoint).T)
-        close = np.flatnonzero(distance <= WAYPOINT_TOLERANCE)
-        at += int(close[0] if len(close) else distance.argmin())
-        found.append(at)
-    return found
+    least = np.minimum(LEAST_DURATION_SHARE * mean, SEED_DURATION_SHARE * step)
+    irregular = np.array([agent.weights.regularity == 0.0 for agent in scene.agents])
+    guarded = irregular[layout.agent_of_segment]
+    if not timed:
+        return Limits(lower, upper, least, np.flatnonzero(guarded))
+    windowed, window = appointments.windowed, appointments.window
+    lower[windowed, 2] = np.maximum(lower[windowed, 2], window[:, 0])
+    upper[windowed, 2] = np.minimum(upper[windowed, 2], window[:, 1])
+    dwelling = np.searchsorted(layout.segment, appointments.stays[:, 0])
+    least[dwelling] = appointments.dwell
+    guarded[dwelling] = True
+    return Limits(lower, upper, least, np.flatnonzero(guarded), appointments.links)
 
 
 class Assembly:
@@ -94,7 +107,11 @@ class Assembly:
         """The program at barrier weight `mu`, its structure made around feasible `knots` (M, 3)."""
         setting = self._setting
         exact = setting.scene.solver.hessian == "exact"
-        terms = [*self.own_terms(), *self.interaction_terms(knots, mu)]
+        terms = [
+            *self.own_terms(),
+            *self.interaction_terms(knots, mu),
+            *self.limit_terms(Barrier(mu)),
+        ]
         return Problem(setting.layout, terms, setting.limits, exact, watch)
 
     def own_terms(self) -> list[Term]:
@@ -109,7 +126,10 @@ class Assembly:
         terms: list[Term] = [
             Kinetic(layout, weights("kinetic"), np.array([agent.mass for agent in agents])),
             Regularity(
-                layout, setting.scales.regularity, np.array([agent.start_time for agent in agents])
+                layout,
+                setting.scales.regularity,
+                np.array([agent.start_time for agent in agents]),
+                exact=setting.scene.solver.hessian == "exact",
             ),
         ]
         if weights("acceleration").any():
@@ -117,6 +137,27 @@ class Assembly:
         if weights("arrival").any():
             preferred = [agent.preferred_time or 0.0 for agent in agents]
             terms.append(Arrival(layout, weights("arrival"), np.array(preferred)))
+        return terms
+
+    def limit_terms(self, profile: Profile) -> list[Limit]:
+        """Limits of speed, acceleration and of the distance at meetings, as the scene has them."""
+        setting = self._setting
+        layout, appointments = setting.layout, setting.appointments
+
+        def limits(name: str) -> FloatArray:
+            found = [getattr(agent, name) for agent in setting.scene.agents]
+            return np.array([np.inf if value is None else value for value in found])
+
+        speeds, accelerations = limits("max_speed"), limits("max_acceleration")
+        terms: list[Limit] = []
+        if np.isfinite(speeds).any():
+            terms.append(SpeedLimit(layout, speeds, profile))
+        if np.isfinite(accelerations).any():
+            terms.append(AccelerationLimit(layout, accelerations, profile))
+            terms.append(RestLimit(layout, accelerations, profile))
+        if len(appointments.links):
+            links, within = appointments.links, appointments.within
+            terms.append(MeetingLimit(links, within, profile, layout.num_knots))
         return terms
 
     def rods(self, knots: FloatArray) -> Rods:

@@ -15,22 +15,37 @@ import numpy as np
 from stplan.arrays import FloatArray
 from stplan.costs.contact_term import ContactTerm
 from stplan.costs.term import Term
+from stplan.optimize.appointments import find_appointments
 from stplan.optimize.assembly import Assembly, Setting, build_limits
 from stplan.optimize.ipopt import FAILURES, IpoptResult, Iteration, Multipliers, solve
 from stplan.optimize.problem import Problem, Stopwatch
 from stplan.optimize.scales import derive_scales
 from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Scene
+from stplan.seeding.meeting_places import MeetingPlace
 from stplan.world import FreeSpace
 from stplan.world_lines import KnotLayout, WorldLines
 
 # A stale structure is rebuilt after at least this many iterations.
-REBUILD_EVERY = 4
+REBUILD_EVERY = 8
 # Relative padding of all distances; halved clearance of the seed where that is less.
 PADDING = 1e-4
-# The objective's relative fall over this many iterations below the tolerance's share ends a run.
-STALL_WINDOW = 4
-STALL_SHARE = 1e-2
+
+
+@dataclass(frozen=True)
+class _Patience:
+    """A run ends when the objective's relative fall over `window` iterations is below `share` of
+    the optimality tolerance."""
+
+    window: int
+    share: float
+
+
+# The last mu decides the plan; on the way to it the central path is only followed roughly.
+ON_THE_WAY = _Patience(window=2, share=1e-1)
+AT_THE_END = _Patience(window=4, share=1e-2)
+
+Observer = Callable[[FloatArray, Sequence[Term]], None]
 
 
 @dataclass
@@ -53,43 +68,45 @@ class Optimisation:
 
 
 class _Stop:
-    """Decides after every iteration whether this run of Ipopt is over, and remembers why."""
+    """Decides after every iteration whether an outer iteration is over, and remembers why.
+
+    Runs of Ipopt that are only cut short for a new structure count as one: `problem` is the present one's.
+    """
 
     def __init__(
-        self,
-        scene: Scene,
-        problem: Problem,
-        floor: float,
-        interrupted: Callable[[], bool],
+        self, scene: Scene, floor: float, patience: _Patience, interrupted: Callable[[], bool]
     ) -> None:
         self._solver = scene.solver
-        self._problem = problem
         self._floor = floor
+        self._patience = patience
         self._interrupted = interrupted
         # The paper's centimetre suits people; a maze of vacuum cleaners needs a share of their size.
         self._step_unit = min(1.0, *(agent.radius for agent in scene.agents))
         self._values: list[float] = []
+        self.problem: Problem | None = None
         self.why = ""
 
     def __call__(self, iteration: Iteration) -> bool:
-        self._values.append(iteration.objective)
+        if iteration.number or not self._values:
+            self._values.append(iteration.objective)
         self.why = self._reason(iteration)
         return bool(self.why)
 
     def _reason(self, iteration: Iteration) -> str:
         if self._interrupted():
             return "interrupted"
-        if iteration.number >= REBUILD_EVERY and self._problem.is_stale():
+        if iteration.number >= REBUILD_EVERY and self.problem and self.problem.is_stale():
             return "stale"
         if iteration.number < 1:
             return ""
         small = self._solver.step_tolerance * self._step_unit
         if iteration.step <= small and not iteration.damped:
             return "converged"
-        if len(self._values) > STALL_WINDOW:
-            fall = self._values[-1 - STALL_WINDOW] - self._values[-1]
+        window = self._patience.window
+        if len(self._values) > window:
+            fall = self._values[-1 - window] - self._values[-1]
             scale = max(abs(self._values[-1] - self._floor), 1e-12)
-            if fall <= STALL_SHARE * self._solver.optimality_tolerance * scale:
+            if fall <= self._patience.share * self._solver.optimality_tolerance * scale:
                 return "converged"
         return ""
 
@@ -101,28 +118,48 @@ def optimise(
     *,
     progress: Callable[[str], None],
     interrupted: Callable[[], bool],
+    observe: Observer | None = None,
 ) -> Optimisation:
     """Make `seed` smooth and cheap by the paper's outer loop.
 
     Args:
         progress: called with one line an outer iteration.
         interrupted: asked after every iteration; True ends with the best feasible curves.
+        observe: called with the knots (M, 3) and the terms of the objective after every iteration.
     """
     layout = KnotLayout.from_offsets(seed.offsets)
+    setting = build_setting(scene, free_space, layout, seed.knots)
+    loop = _Loop(setting, seed.knots, progress, interrupted, observe)
+    loop.run()
+    return loop.result(seed)
+
+
+def build_setting(
+    scene: Scene,
+    free_space: FreeSpace | None,
+    layout: KnotLayout,
+    knots: FloatArray,
+    *,
+    timed: bool = True,
+    planned: Sequence[MeetingPlace] = (),
+) -> Setting:
+    """What stays the same while `scene` is optimised from seed `knots` (M, 3).
+
+    Unless `timed`, visits and meetings are free in time. Pairs with a `planned` place meet there.
+    """
     interactions = scene_interactions(scene)
+    appointments = find_appointments(scene, free_space, layout, knots, planned)
     setting = Setting(
         scene=scene,
         free_space=free_space,
         interactions=interactions,
         layout=layout,
-        scales=derive_scales(scene, interactions, layout, seed.knots),
-        limits=build_limits(scene, layout, seed.knots),
+        scales=derive_scales(scene, interactions, layout, knots),
+        limits=build_limits(scene, layout, knots, appointments, timed=timed),
+        appointments=appointments,
         padding=0.0,
     )
-    setting = _padded(setting, seed.knots)
-    loop = _Loop(setting, seed.knots, progress, interrupted)
-    loop.run()
-    return loop.result(seed)
+    return _padded(setting, knots)
 
 
 def _padded(setting: Setting, knots: FloatArray) -> Setting:
@@ -143,12 +180,14 @@ class _Loop:
         knots: FloatArray,
         progress: Callable[[str], None],
         interrupted: Callable[[], bool],
+        observe: Observer | None,
     ) -> None:
         self._setting = setting
         self._assembly = Assembly(setting)
         self._knots = knots
         self._progress = progress
         self._interrupted = interrupted
+        self._observe = observe
         self._watch = Stopwatch()
         self._record: list[dict[str, Any]] = []
         self._status = "converged"
@@ -163,7 +202,12 @@ class _Loop:
         solver = self._setting.scene.solver
         mu = self._setting.scales.mu
         for outer in range(solver.outer_iterations):
+            before = self._status
             self._outer_iteration(outer, mu)
+            if self._status == "failed" and outer > 0:
+                # Too near its limits to move at all: what the last mu left is the result.
+                self._status = before
+                return
             if self._status in ("interrupted", "failed"):
                 return
             mu *= solver.mu_decay
@@ -175,12 +219,14 @@ class _Loop:
         ipopt_mu: float | None = None
         used = rebuilds = 0
         before: float | None = None
+        patience = AT_THE_END if outer == solver.outer_iterations - 1 else ON_THE_WAY
+        stop = _Stop(self._setting.scene, self._floor, patience, self._interrupted)
         while True:
             problem = self._assembly.problem(self._knots, mu, self._watch)
             self._nonzeros = max(self._nonzeros, len(problem.hessian_rows))
             if before is None:
                 before = problem.value(self._knots.ravel())
-            stop = _Stop(self._setting.scene, problem, self._floor, self._interrupted)
+            stop.problem = problem
             outcome = self._solve(problem, left, stop, multipliers, ipopt_mu)
             self._knots = outcome.knots
             used += outcome.iterations
@@ -223,6 +269,12 @@ class _Loop:
         ipopt_mu: float | None,
     ) -> IpoptResult:
         solver = self._setting.scene.solver
+
+        def observed(iteration: Iteration) -> bool:
+            if self._observe is not None:
+                self._observe(iteration.knots, problem.terms)
+            return stop(iteration)
+
         return solve(
             problem,
             self._knots,
@@ -231,7 +283,7 @@ class _Loop:
             objective_scale=1.0 / self._setting.scales.energy,
             limited_memory=solver.hessian == "limited-memory",
             options=solver.ipopt,
-            stop=stop,
+            stop=observed,
             multipliers=multipliers,
             ipopt_mu=ipopt_mu,
         )

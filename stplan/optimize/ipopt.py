@@ -174,15 +174,15 @@ def solve(
     problem.accept(start)
     callbacks = _Callbacks(problem, stop, start)
     limits = problem.limits
-    count = len(limits.least_duration)
+    least, greatest = problem.durations_bounds()
     handle = cyipopt.Problem(
         n=problem.num_variables,
-        m=count,
+        m=len(least),
         problem_obj=callbacks,
         lb=limits.lower.ravel(),
         ub=limits.upper.ravel(),
-        cl=limits.least_duration,
-        cu=np.full(count, 2e19),
+        cl=least,
+        cu=greatest,
     )
     callbacks.handle = handle
     chosen = dict(_DEFAULTS, linear_solver=linear_solver, max_iter=max_iterations)

@@ -1,7 +1,10 @@
 """The nonlinear program: terms are summed, their Hessians scattered into one structure.
 
 Variables are the flat knots, x[3 i + axis]. Start, goal, waypoints and given paths are fixed by equal
-bounds, T^max is a bound, and t_{i+1} - t_i >= gap are linear constraints with a constant Jacobian.
+bounds and T^max is a bound. That time runs on is part of the objective's domain: the regularity cost rises
+without bound as a duration goes to zero. Where no such cost stands guard (a weight of 0, a dwell) a least
+t_{i+1} - t_i is a linear constraint with a constant Jacobian, as is t_i = t_j of the knots at which a pair
+meets. Constraints for all segments would double the size of the linear systems.
 """
 
 from __future__ import annotations
@@ -14,6 +17,7 @@ import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.costs.contact_term import ContactTerm
+from stplan.costs.limit import Limit
 from stplan.costs.term import Term
 from stplan.world_lines import KnotLayout
 
@@ -28,11 +32,15 @@ class Limits:
     Attributes:
         lower, upper: (M, 3) bounds of the knots, equal where a variable is fixed.
         least_duration: (S,) smallest t_{i+1} - t_i of every segment, s.
+        guarded: (G,) segments whose least duration takes a constraint of its own.
+        links: (L, 2) knots of one time.
     """
 
     lower: FloatArray
     upper: FloatArray
     least_duration: FloatArray
+    guarded: IntArray
+    links: IntArray = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
 
 
 @dataclass
@@ -75,6 +83,7 @@ class Problem:
         self._value = np.inf
         self._gradient: FloatArray | None = None
         self._floor = 0.0
+        self._slack_floor = 0.0
 
     @property
     def num_variables(self) -> int:
@@ -95,10 +104,16 @@ class Problem:
         knots = x.reshape(-1, 3)
         least = self._least_clearance(knots)
         self._floor = CLEARANCE_KEPT * least if np.isfinite(least) else 0.0
+        slack = self._least_slack(knots)
+        self._slack_floor = CLEARANCE_KEPT * slack if np.isfinite(slack) else 0.0
 
     def _least_clearance(self, knots: FloatArray) -> float:
         contacts = [term for term in self.terms if isinstance(term, ContactTerm)]
         return min((term.least_clearance(knots) for term in contacts), default=np.inf)
+
+    def _least_slack(self, knots: FloatArray) -> float:
+        barred = [term for term in self.terms if isinstance(term, Limit) and term.barred]
+        return min((term.least_slack(knots) for term in barred), default=np.inf)
 
     def gradient(self, x: FloatArray) -> FloatArray:
         """(3 M,) derivative of `value`."""
@@ -126,7 +141,11 @@ class Problem:
                 total += term.value(knots)
                 if not np.isfinite(total):
                     break
-            if np.isfinite(total) and self._least_clearance(knots) >= self._floor:
+            if (
+                np.isfinite(total)
+                and self._least_clearance(knots) >= self._floor
+                and self._least_slack(knots) >= self._slack_floor
+            ):
                 self._value = total
         if not np.isfinite(self._value):
             self.watch.refused += 1
@@ -135,7 +154,11 @@ class Problem:
     def _admissible(self, knots: FloatArray) -> bool:
         """Finite, with time running on: asked before any term may divide by a duration."""
         start = self.layout.segment
-        return bool(np.isfinite(knots).all() and (knots[start + 1, 2] > knots[start, 2]).all())
+        duration = knots[start + 1, 2] - knots[start, 2]
+        # Half of it: a constraint of Ipopt holds to a tolerance.
+        return bool(
+            np.isfinite(knots).all() and (duration > 0.5 * self.limits.least_duration).all()
+        )
 
     def hessian(self, x: FloatArray) -> FloatArray:
         """Lower triangle in the order of `hessian_rows`, `hessian_columns`."""
@@ -153,17 +176,28 @@ class Problem:
         return summed
 
     def durations(self, x: FloatArray) -> FloatArray:
-        """(S,) t_{i+1} - t_i of every segment, s."""
-        start = self.layout.segment
+        """(G + L,) t_{i+1} - t_i of guarded segments, then t_j - t_i of every link, s."""
+        head, tail = self._constrained()
         knots = x.reshape(-1, 3)
-        return knots[start + 1, 2] - knots[start, 2]
+        return knots[tail, 2] - knots[head, 2]
 
     def durations_jacobian(self) -> tuple[IntArray, IntArray, FloatArray]:
         """Rows, columns and (constant) values of the Jacobian of `durations`."""
-        start = self.layout.segment
-        rows = np.repeat(np.arange(len(start)), 2)
-        columns = np.column_stack([3 * start + 2, 3 * start + 5]).ravel()
-        return rows, columns, np.tile([-1.0, 1.0], len(start))
+        head, tail = self._constrained()
+        rows = np.repeat(np.arange(len(head)), 2)
+        columns = np.column_stack([3 * head + 2, 3 * tail + 2]).ravel()
+        return rows, columns, np.tile([-1.0, 1.0], len(head))
+
+    def durations_bounds(self) -> tuple[FloatArray, FloatArray]:
+        """(G + L,) least and greatest of `durations`, s."""
+        zeros = np.zeros(len(self.limits.links))
+        least = self.limits.least_duration[self.limits.guarded]
+        return np.concatenate([least, zeros]), np.concatenate([np.full(len(least), 2e19), zeros])
+
+    def _constrained(self) -> tuple[IntArray, IntArray]:
+        """Knots whose times are compared."""
+        start, links = self.layout.segment[self.limits.guarded], self.limits.links
+        return np.concatenate([start, links[:, 0]]), np.concatenate([start + 1, links[:, 1]])
 
     def is_stale(self) -> bool:
         """Whether a felt interaction has no room in the Hessian's structure."""

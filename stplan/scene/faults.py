@@ -7,10 +7,11 @@ import math
 from collections.abc import Iterable
 from typing import Any, get_args
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, Tag, ValidationError
 
 from stplan.errors import SceneError
-from stplan.scene.format import AgentFile, SceneFile
+from stplan.scene.format import SceneFile
+from stplan.scene.format_agents import KINDS, AgentFile
 from stplan.scene.model import located
 from stplan.scene.reader import Tree
 
@@ -73,7 +74,7 @@ def sentences(error: ValidationError, tree: Tree, hints: Hints) -> list[Fault]:
     found: dict[str, str] = {}
     for fault in error.errors(include_url=False):
         steps = fault["loc"]
-        path = join(steps)
+        path = join(step for step in steps if step not in KINDS)
         kind = fault["type"]
         if kind == "extra_forbidden":
             text = _unknown(steps, hints)
@@ -88,11 +89,24 @@ def sentences(error: ValidationError, tree: Tree, hints: Hints) -> list[Fault]:
 
 def _fields_at(steps: Iterable[str | int]) -> dict[str, Any]:
     """The keys of the format at `steps`."""
-    model: Any = SceneFile
+    at: Any = SceneFile
     for step in steps:
-        if isinstance(step, str):
-            model = _inner_model(model.model_fields[step].annotation)
-    return dict(model.model_fields)
+        if step in KINDS:
+            at = _of_kind(at, str(step))
+        elif isinstance(step, str):
+            at = _inner_model(at).model_fields[step].annotation
+    return dict(_inner_model(at).model_fields)
+
+
+def _of_kind(annotation: Any, kind: str) -> Any:
+    """The member of a union that is tagged `kind`, inside lists and optional ones of it."""
+    if any(isinstance(part, Tag) and part.tag == kind for part in get_args(annotation)[1:]):
+        return annotation
+    for argument in get_args(annotation):
+        found = _of_kind(argument, kind)
+        if found is not None:
+            return found
+    return None
 
 
 def _inner_model(annotation: Any) -> Any:

@@ -8,19 +8,20 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from stplan.scene.format_agents import MOST_AGENTS, AgentEntry, CircleFile, SharedFields
+from stplan.scene.format_base import GIVEN as _GIVEN
+from stplan.scene.format_base import FileModel as _Model
+from stplan.scene.format_base import key as _key
 from stplan.scene.model import SeedingSettings, SolverSettings
 from stplan.scene.quantities import (
     Factor,
     Identifier,
-    Knot,
+    Interval,
     NotNegative,
-    NotNull,
-    Number,
     Options,
     Or,
-    Point,
     Positive,
     Rectangle,
     Ring,
@@ -29,92 +30,15 @@ from stplan.scene.quantities import (
 )
 
 FORMAT = 1
-MOST_AGENTS = 10_000
 MOST_PAIRS = 100_000
-MOST_KNOTS = 100_000
-_GIVEN = NotNull()
 # Defaults have one home, the model.
 _SEEDING = SeedingSettings()
 _SOLVER = SolverSettings()
 _LAYERS = Annotated[int, Field(ge=2, le=100_000)]
 _KNOTS = Annotated[int, Field(ge=3, le=10_000)]
+_STARTS = Annotated[int, Field(ge=1, le=1000)]
 _Tolerance = Annotated[Factor, Field(le=1e6)]
 _RANGE = Annotated[float, Field(gt=0, allow_inf_nan=True)]
-
-
-def _key(description: str, default: float | str | None = None) -> Any:
-    """A key that may be left out; `default` is what a reader may take for granted then."""
-    extra: dict[str, Any] = {} if default is None else {"default": default}
-    return Field(None, description=description, json_schema_extra=extra)
-
-
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
-
-
-class WeightsFile(_Model):
-    """How much an agent minds each cost: the paper's K, all >= 0, without unit."""
-
-    kinetic: Annotated[NotNegative | None, _GIVEN] = _key("K^K of the kinetic energy", 1.0)
-    acceleration: Annotated[NotNegative | None, _GIVEN] = _key("K^A of changes of velocity", 0.0)
-    arrival: Annotated[NotNegative | None, _GIVEN] = _key(
-        "K^T of arriving at another time than preferred_time", 0.0
-    )
-    regularity: Annotated[float | Literal["auto"] | None, Or(NotNegative, "auto")] = _key(
-        "K^R of unevenly spaced knots; auto scales it by the seed's kinetic cost", "auto"
-    )
-    collision: Annotated[NotNegative | None, _GIVEN] = _key(
-        "K^C of nearness to other agents; a pair is switched off where both have 0", 1.0
-    )
-    wall: Annotated[NotNegative | None, _GIVEN] = _key(
-        "K^M of nearness to walls; 0 switches them off for this agent", 1.0
-    )
-
-
-class SharedFields(_Model):
-    """What an agent may set, and `defaults` for all agents."""
-
-    start_time: Annotated[Number | None, _GIVEN] = _key("when the agent appears, s", 0.0)
-    max_time: Annotated[Number | None, _GIVEN] = _key(
-        "T^max, latest arrival, s, after start_time; default: the horizon"
-    )
-    preferred_time: Annotated[Number | None, _GIVEN] = _key(
-        "T^p, wanted arrival, s, after start_time and no later than max_time; "
-        "needed by, and felt through, weights.arrival"
-    )
-    radius: Annotated[Positive | None, _GIVEN] = _key("radius of comfort, m", 0.3)
-    mass: Annotated[Positive | None, _GIVEN] = _key("mass, kg", 1.0)
-    after_arrival: Annotated[Literal["stay", "vanish"] | None, _GIVEN] = _key(
-        "stay on the goal until the horizon, or vanish on arrival", "stay"
-    )
-    waypoints: Annotated[Annotated[list[Point], Field(max_length=1000)] | None, _GIVEN] = _key(
-        "points [x, y] in m, passed in this order at free times"
-    )
-    weights: Annotated[WeightsFile | None, _GIVEN] = _key(
-        "weights of the costs; those left out come from `defaults`, one by one"
-    )
-
-
-class AgentFile(SharedFields):
-    """One agent: a disc with a mass that moves from `start` to `goal`, or along a given `path`."""
-
-    id: Identifier = Field(description="name of the agent, unique; `all` is reserved")
-    start: Annotated[Point | None, _GIVEN] = _key("[x, y] in m at start_time; unless path is given")
-    goal: Annotated[Point | None, _GIVEN] = _key(
-        "[x, y] in m, reached exactly, by max_time; unless path is given"
-    )
-    path: Annotated[
-        Annotated[list[Knot], Field(min_length=2, max_length=MOST_KNOTS)] | None, _GIVEN
-    ] = _key(
-        "[[x, y, t], ...] in m and s, t rising: the agent moves exactly so, everyone else makes way"
-    )
-
-
-class CircleFile(_Model):
-    """A disc."""
-
-    center: Point = Field(description="[x, y] in m")
-    radius: Positive = Field(description="radius, m")
 
 
 class ObstacleFile(_Model):
@@ -145,12 +69,16 @@ class MapFile(_Model):
     )
 
 
-class PairFile(_Model):
-    """What differs for pairs of agents; of several entries about a pair the later wins."""
+class MeetFile(_Model):
+    """Two agents come near each other at some moment at which both are present."""
 
-    between: Annotated[list[Side], Field(min_length=2, max_length=2)] = Field(
-        description="both sides: an id, `all`, or a list of ids each"
-    )
+    within: Positive = Field(description="how near their centres come at least once, m")
+    window: Annotated[Interval | None, _GIVEN] = _key("[from, to] in s: when; default: any time")
+
+
+class PairSettingsFile(_Model):
+    """What may differ for a pair."""
+
     distance: Annotated[Positive | None, _GIVEN] = _key(
         "comfort distance of the centres, m, instead of the sum of the radii"
     )
@@ -158,6 +86,25 @@ class PairFile(_Model):
         "K^G, above 0 it draws the pair together"
     )
     collide: Annotated[bool | None, _GIVEN] = _key("false lets the pair pass through each other")
+    meet: Annotated[MeetFile | None, _GIVEN] = _key("the two have to meet")
+
+
+class PairFile(PairSettingsFile):
+    """What differs for pairs of agents; of several entries about a pair the later wins."""
+
+    between: Annotated[list[Side], Field(min_length=2, max_length=2)] = Field(
+        description="both sides: an id, `all`, or a list of ids each"
+    )
+
+
+class GroupFile(PairSettingsFile):
+    """Agents whose pairs share settings; entries of `pairs` win over them."""
+
+    name: Annotated[Identifier | None, _GIVEN] = _key("in pairs it means all members")
+    members: Annotated[
+        list[Annotated[str, Field(min_length=1, max_length=100)]],
+        Field(min_length=1, max_length=MOST_AGENTS),
+    ] = Field(description="ids of agents, patterns and tables")
 
 
 class SeedingFile(_Model):
@@ -185,6 +132,9 @@ class SolverFile(_Model):
 
     knots: Annotated[int | Literal["auto"], Or(_KNOTS, "auto")] = Field(
         "auto", description="knots per agent; auto follows the initial curves"
+    )
+    starts: Annotated[int | Literal["auto"], Or(_STARTS, "auto")] = Field(
+        "auto", description="initial curves to choose the cheapest from; auto: more for few agents"
     )
     mu: Annotated[float | Literal["auto"], Or(Factor, "auto")] = Field(
         "auto", description="first weight of the barriers; auto scales with the costs"
@@ -243,8 +193,11 @@ class SceneFile(_Model):
         1.0, description="c in m/s: the space-time metric is dx^2 + dy^2 + (c dt)^2"
     )
     defaults: SharedFields = Field(SharedFields(), description="values for agents that set none")
-    agents: Annotated[list[AgentFile], Field(min_length=1, max_length=MOST_AGENTS)] = Field(
+    agents: Annotated[list[AgentEntry], Field(min_length=1, max_length=MOST_AGENTS)] = Field(
         description="the moving things, in the order of the outputs"
+    )
+    groups: Annotated[list[GroupFile], Field(max_length=MOST_PAIRS)] = Field(
+        [], description="agents whose pairs share settings"
     )
     pairs: Annotated[list[PairFile], Field(max_length=MOST_PAIRS)] = Field(
         [], description="what differs from: every pair collides at the sum of its radii"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray
-from stplan.scene.model import Scene
+from stplan.scene.model import Meet, Scene
 
 
 @dataclass(frozen=True)
@@ -48,3 +48,25 @@ def scene_interactions(scene: Scene) -> Interactions:
     np.fill_diagonal(collides, False)
     np.fill_diagonal(grouping, 0.0)
     return Interactions(collides, distance, collision_weight, grouping)
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """Agents `first` < `second` have to meet as `meet` says."""
+
+    first: int
+    second: int
+    meet: Meet
+
+
+def scene_meetings(scene: Scene) -> tuple[Meeting, ...]:
+    """Every pair that has to meet, sorted; of several rules about a pair the last counts."""
+    found: dict[tuple[int, int], Meet] = {}
+    for rule in scene.pairs:
+        if rule.meet is None:
+            continue
+        for a in rule.left:
+            for b in rule.right:
+                if a != b:
+                    found[min(a, b), max(a, b)] = rule.meet
+    return tuple(Meeting(a, b, meet) for (a, b), meet in sorted(found.items()))

@@ -95,7 +95,9 @@ def _file_name(stem: str) -> str:
 
 def _content_hash(scene: Scene) -> str:
     """SHA-256 of the scene's meaning: not of comments, order of keys, formatting or any name of it."""
-    bare = replace(scene, name="", source=None, locations={}, overridden={}, content_hash="")
+    bare = replace(
+        scene, name="", source=None, locations={}, overridden={}, content_hash="", agent_paths=()
+    )
     meaning: dict[str, Any] = asdict(bare)
     digest = hashlib.sha256(f"stplan {FORMAT}\n".encode())
     if scene.map is not None and isinstance(scene.map.base, MeshBase):

@@ -26,9 +26,19 @@ class Weights:
 
 
 @dataclass(frozen=True)
+class Visit:
+    """When an agent is on a waypoint (`window`, s) and for how long at least (`dwell`, s)."""
+
+    window: tuple[float, float] | None = None
+    dwell: float = 0.0
+
+
+@dataclass(frozen=True)
 class Agent:
     """One agent. Lengths in m, times in s, mass in kg.
 
+    `visits` has one entry a waypoint, or none at all where no waypoint asks for anything. With a
+    `max_acceleration` (m/s^2) the agent starts and ends at rest; `max_speed` is in m/s.
     `path`, where given, is the whole world line ((x, y, t), ...): the agent moves as told, and
     `start`, `goal`, `start_time` and `max_time` repeat its ends.
     """
@@ -45,6 +55,17 @@ class Agent:
     waypoints: tuple[Point, ...]
     weights: Weights
     path: tuple[tuple[float, float, float], ...] | None = None
+    max_speed: float | None = None
+    max_acceleration: float | None = None
+    visits: tuple[Visit, ...] = ()
+
+
+@dataclass(frozen=True)
+class Meet:
+    """Centres at most `within` m apart at one common instant, inside `window` (s) where given."""
+
+    within: float
+    window: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -56,6 +77,7 @@ class PairRule:
     distance: float | None = None
     grouping: float | None = None
     collide: bool | None = None
+    meet: Meet | None = None
 
 
 @dataclass(frozen=True)
@@ -114,6 +136,7 @@ class SolverSettings:
     """How curves are optimised; None means auto, `barrier_range` inf the unbounded logarithm."""
 
     knots: int | None = None
+    starts: int | None = None
     mu: float | None = None
     mu_decay: float = 0.5
     outer_iterations: int = 5
@@ -140,6 +163,7 @@ class Scene:
         time_scale: c in m/s; the space-time metric is dx^2 + dy^2 + (c dt)^2.
         locations: (line, column), from 1, of every path of the file such as ``agents[2].radius``.
         overridden: the ``--set`` argument that decided a path, where one did.
+        agent_paths: where every agent stands in the file, ``agents[2]`` where left out.
     """
 
     name: str
@@ -155,6 +179,11 @@ class Scene:
     solver: SolverSettings
     locations: Mapping[str, tuple[int, int]] = field(default_factory=dict, repr=False)
     overridden: Mapping[str, str] = field(default_factory=dict, repr=False)
+    agent_paths: tuple[str, ...] = field(default=(), repr=False)
+
+    def agent_path(self, agent: int) -> str:
+        """Where an agent stands in the file."""
+        return self.agent_paths[agent] if self.agent_paths else f"agents[{agent}]"
 
     def located(self, path: str, message: str) -> str:
         """`message` headed by file, line, column and `path` (or its nearest known ancestor)."""

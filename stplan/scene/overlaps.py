@@ -80,7 +80,7 @@ def _close(
         what = "both start at once" if key == "start" else "both stay on their goals"
         faults.append(
             (
-                f"agents[{first + row}].{key}",
+                f"{scene.agent_path(first + int(row))}.{key}",
                 f"is {gap[row, other]:.4g} m from the {key} of '{scene.agents[other].id}'{also}, "
                 f"and {what}; more than {distance[row, other]:.4g} m is expected "
                 "of agents that collide",

@@ -113,6 +113,9 @@ Rectangle = Annotated[
     Field(min_length=4, max_length=4),
     _fixed(4, "a rectangle [xmin, ymin, xmax, ymax] in m"),
 ]
+Interval = Annotated[
+    list[Number], Field(min_length=2, max_length=2), _fixed(2, "an interval [from, to] in s")
+]
 Ring = Annotated[list[Point], Field(min_length=3, max_length=MOST_POINTS)]
 
 

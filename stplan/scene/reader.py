@@ -130,6 +130,9 @@ def _unreadable(error: Exception, text: str) -> _UnreadableError:
     if isinstance(error, yaml.MarkedYAMLError):
         mark = error.problem_mark or error.context_mark
         place = (1, 1) if mark is None else (mark.line + 1, mark.column + 1)
+        if "maximum nesting depth" in (error.problem or ""):
+            # Newer scanners look far ahead and meet a bound of their own before ours.
+            return _UnreadableError(f"nested more than {DEEPEST} levels deep", place)
         return _UnreadableError(f"not valid YAML: {error.problem or error.context}", place)
     if isinstance(error, yaml.reader.ReaderError | UnicodeEncodeError):
         # Not every parser counts characters here, so the culprit is looked for.

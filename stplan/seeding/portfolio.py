@@ -20,6 +20,7 @@ from stplan.scene.model import Scene
 from stplan.seeding.diagnosis import hopeless
 from stplan.seeding.dijkstra import dijkstra_curves
 from stplan.seeding.geodesic import geodesic_curves
+from stplan.seeding.meeting_places import MeetingPlace, with_meeting_places
 from stplan.seeding.polish import prepare_seed
 from stplan.seeding.relaxation import relax
 from stplan.seeding.rods import RodProblem, verify, wall_clearance
@@ -43,11 +44,13 @@ class Seed:
     Attributes:
         found_by: the part of the portfolio that found them.
         record: repeatable figures of the search, for the report.
+        meetings: places that the curves pass so that pairs meet there, at any times.
     """
 
     world_lines: WorldLines
     found_by: str
     record: dict[str, Any] = field(default_factory=dict)
+    meetings: tuple[MeetingPlace, ...] = ()
 
 
 @dataclass
@@ -67,6 +70,7 @@ def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress)
         SeedingError: none were found; the message says whom it concerns, and whether that is proven.
     """
     problem = RodProblem.from_scene(scene, free_space)
+    problem, meetings = with_meeting_places(problem, scene, free_space)
     attempts = _Attempts()
     _refuse_hopeless(scene, problem, free_space)
     for part in _parts(scene, problem):
@@ -89,9 +93,8 @@ def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress)
     if faults:
         raise SeedingError("initial curves are not clear: " + "; ".join(faults))
     progress(f"seed found by {attempts.found_by}")
-    return Seed(
-        WorldLines.from_curves(problem.agent_ids, curves), attempts.found_by, attempts.record
-    )
+    lines = WorldLines.from_curves(problem.agent_ids, curves)
+    return Seed(lines, attempts.found_by, attempts.record, meetings)
 
 
 def _refuse_hopeless(scene: Scene, problem: RodProblem, free_space: FreeSpace | None) -> None:

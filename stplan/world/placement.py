@@ -47,7 +47,9 @@ def check_scene_in_world(scene: Scene, free_space: FreeSpace | None) -> list[str
             else f"{where} is {clearance:.4g} m from a wall, but the radius is {radius:g} m"
         )
         messages.append(
-            scene.located(f"agents[{a}].{key}", f"{fault}; more than the radius is expected")
+            scene.located(
+                f"{scene.agent_path(a)}.{key}", f"{fault}; more than the radius is expected"
+            )
         )
     return messages
 

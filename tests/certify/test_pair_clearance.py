@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stplan.certify.pair_clearance import least_distances
+from stplan.certify.pair_clearance import nearest_moments
 from stplan.world_lines import WorldLines
 
 
@@ -13,14 +13,17 @@ def least(curves, leaves=None) -> tuple[float, float]:
     """Least distance and its time of two curves."""
     lines = WorldLines.from_curves(["a", "b"], [np.array(c, dtype=float) for c in curves])
     ends = [c[-1, 2] for c in lines.curves()]
-    pairs, distance, instant = np.empty((1, 2), dtype=np.int64), np.empty(1), np.empty(1)
-    wanted = ~np.eye(2, dtype=bool)
-    least_distances(
-        lines.knots, lines.offsets, np.array(ends if leaves is None else leaves, dtype=float),
-        wanted, pairs, distance, instant,
-    )  # fmt: skip
-    assert pairs.tolist() == [[0, 1]]
-    return float(distance[0]), float(instant[0])
+    found = nearest_moments(
+        lines, np.array(ends if leaves is None else leaves, dtype=float), ~np.eye(2, dtype=bool)
+    )
+    assert found.pairs.tolist() == [[0, 1]]
+    if np.isfinite(found.distance[0]):
+        places = [
+            [np.interp(found.instant[0], curve[:, 2], curve[:, x]) for x in range(2)]
+            for curve in lines.curves()
+        ]
+        assert found.middle[0] == pytest.approx(np.mean(places, axis=0), abs=1e-9)
+    return float(found.distance[0]), float(found.instant[0])
 
 
 def sampled(first, second, begin, end) -> float:

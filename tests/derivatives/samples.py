@@ -6,13 +6,18 @@ import numpy as np
 
 from stplan.arrays import FloatArray
 from stplan.costs.acceleration import Acceleration
+from stplan.costs.acceleration_limit import AccelerationLimit, RestLimit
 from stplan.costs.arrival import Arrival
 from stplan.costs.collision import Collision
 from stplan.costs.grouping import Grouping
 from stplan.costs.kinetic import Kinetic
+from stplan.costs.limit import Barrier, Penalty
+from stplan.costs.meeting import MeetingLimit
 from stplan.costs.regularity import Regularity
 from stplan.costs.rods import Rods
+from stplan.costs.speed_limit import SpeedLimit
 from stplan.costs.term import Term
+from stplan.costs.timing import NONE, Timing
 from stplan.costs.wall import Wall
 from stplan.scene.interactions import Interactions
 from stplan.world_lines import KnotLayout
@@ -58,9 +63,27 @@ def sample_terms(exact: bool = True) -> dict[str, Term]:
         "kinetic": Kinetic(LAYOUT, weights, np.array([1.0, 5.0, 2.0])),
         "acceleration": Acceleration(LAYOUT, np.array([2.0, 0.0, 0.7]), 1.7),
         "arrival": Arrival(LAYOUT, weights, np.array([3.0, 4.0, 9.0])),
-        "regularity": Regularity(LAYOUT, weights, np.array([0.1, 0.2, 0.0])),
+        "regularity": Regularity(LAYOUT, weights, np.array([0.1, 0.2, 0.0]), exact=exact),
         "grouping": Grouping(knots, rods, interactions, 3.0, exact=exact),
     }
+    timed = np.array([[2, 8], [8, 2], [3, 4], [NONE, 9], [NONE, 14], [9, 10]])
+    terms["timing"] = Timing(
+        timed,
+        np.array([0.5, 0.1, 2.0, 0.0, 9.0, 0.1]),
+        np.array([0.7, 0.2, 3.0, 2.0, 12.0, 5.0]),
+        1.7,
+        len(knots),
+    )
+    speeds, accelerations = np.array([2.5, np.inf, 4.0]), np.array([np.inf, 0.5, 2.5])
+    starts = np.array([np.inf, 4.5, 6.5])
+    links, within = np.array([[2, 8], [7, 14]]), np.array([4.5, 4.0])
+    # The penalty's aim lies below some of the vectors and above others.
+    for profile in (Barrier(0.7, 0.9), Barrier(0.7, np.inf), Penalty(1.3, 0.4)):
+        label = str(profile)
+        terms[f"speed limit, {label}"] = SpeedLimit(LAYOUT, speeds, profile)
+        terms[f"acceleration limit, {label}"] = AccelerationLimit(LAYOUT, accelerations, profile)
+        terms[f"rest limit, {label}"] = RestLimit(LAYOUT, starts, profile)
+        terms[f"meeting, {label}"] = MeetingLimit(links, within, profile, len(knots))
     for reach in (1.5, np.inf):
         for alpha_0 in (None, 8.0):
             label = f"range {reach}, {'contacts' if alpha_0 is None else 'smooth minimum'}"

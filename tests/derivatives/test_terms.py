@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import stplan.costs
+from stplan.costs.limit import Limit
 from stplan.costs.term import Term
 from tests.derivatives.checker import (
     check_differences,
@@ -67,10 +68,21 @@ def test_gauss_newton_stand_in_is_positive_semidefinite_where_promised(label: st
     term, knots = sample_terms()[label], sample_knots()
     stand_in = dense(term.hessian_structure(), term.gauss_newton_hessian(knots), knots.size)
     assert np.isfinite(stand_in).all()
-    if term.name in ("collision", "grouping", "wall"):
+    if isinstance(term, Limit) or term.name in ("collision", "grouping", "wall", "regularity"):
         eigenvalues = np.linalg.eigvalsh(stand_in)
         assert eigenvalues[0] >= -1e-9 * eigenvalues[-1]
         assert eigenvalues[-1] > 0
+
+
+@pytest.mark.parametrize("label", [label for label in LABELS if " limit, " in label])
+def test_samples_of_limits_lie_on_both_sides_of_the_switch(label: str) -> None:
+    term, knots = sample_terms()[label], sample_knots()
+    assert isinstance(term, Limit)
+    shares = term.shares(knots)
+    assert 0.1 < shares.max() < 1.0
+    if "Penalty" in label:
+        assert (shares > 0.4).any()
+        assert (shares < 0.4).any()
 
 
 class _Broken:

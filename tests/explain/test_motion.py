@@ -211,3 +211,25 @@ def test_words():
     assert names(["a"]) == "a"
     assert names(["a", "b", "c"]) == "a, b and c"
     assert names(list("abcdefg")) == "a, b, c, d and 3 more"
+
+
+def test_limits_and_meetings():
+    scene = scene_of(
+        f"{SAM}, max_speed: 1.05", f"{ANN}, max_speed: 9",
+        top="pairs: [{between: [sam, ann], collide: false, meet: {within: 2.5}}]\n",
+    )  # fmt: skip
+    explanation, certificate = explain_run(scene, None, lines_of(scene))
+    assert certificate.holds
+    text = "\n".join(explanation.lines())
+    assert (
+        "1 of 2 limits of motion are used up to within 10%:\n  - sam: speed 1 of 1.05 m/s" in text
+    )
+    assert "1 of 1 meeting takes place:\n  - sam and ann meet at t = 5.00 s near (0, -1), " in text
+
+
+def test_setting_off_from_rest_is_no_wait():
+    scene = scene_of("id: sam, start: [0, 0], goal: [9, 0], max_acceleration: 0.5")
+    lines = lines_of(scene, sam=[[0, 0, 0], [1, 0, 4], [8, 0, 10], [9, 0, 14]])
+    assert waits(scene, lines) == []
+    free = scene_of("id: sam, start: [0, 0], goal: [9, 0]")
+    assert len(waits(free, lines)) == 2

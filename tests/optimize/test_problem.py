@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.optimize.assembly import Assembly, Setting, build_limits, waypoint_knots
+from stplan.optimize.appointments import find_appointments, visit_knots
+from stplan.optimize.assembly import Assembly, Setting, build_limits
 from stplan.optimize.ipopt import solve
 from stplan.optimize.problem import Problem, Stopwatch
 from stplan.optimize.scales import derive_scales
@@ -41,7 +42,13 @@ def sample_scene(**solver: object) -> Scene:
                 mass=1.0 + a,
                 after_arrival="stay" if a == 2 else "vanish",
                 waypoints=(),
-                weights=Weights(acceleration=0.3 * a, arrival=0.2, wall=float(a != 1)),
+                # Without a regularity cost, the first agent's time is kept running by constraints.
+                weights=Weights(
+                    acceleration=0.3 * a,
+                    arrival=0.2,
+                    regularity=0.0 if a == 0 else None,
+                    wall=float(a != 1),
+                ),
             )
         )
     rules = (
@@ -58,9 +65,11 @@ def sample_problem(**solver: object) -> Problem:
     scene = sample_scene(**solver)
     knots = sample_knots()
     interactions = scene_interactions(scene)
+    appointments = find_appointments(scene, None, LAYOUT, knots)
     setting = Setting(
         scene, _Walls(), interactions, LAYOUT,  # type: ignore[arg-type]
-        derive_scales(scene, interactions, LAYOUT, knots), build_limits(scene, LAYOUT, knots), 1e-4,
+        derive_scales(scene, interactions, LAYOUT, knots),
+        build_limits(scene, LAYOUT, knots, appointments), appointments, 1e-4,
     )  # fmt: skip
     return Assembly(setting).problem(knots, 0.3, Stopwatch())
 
@@ -96,10 +105,11 @@ def test_derivatives_of_the_assembled_lagrangian(model: str) -> None:
     rng = np.random.default_rng(7)
     check_taylor_slopes(function, sample_knots(), 0.02 * rng.normal(size=(19, 3)))
     rows, columns, values = problem.durations_jacobian()
-    jacobian = np.zeros((len(LAYOUT.segment), problem.num_variables))
-    jacobian[rows, columns] = values
     # Constraints are linear: the Jacobian reproduces them and adds nothing to the Lagrangian's Hessian.
     x = sample_knots().ravel()
+    assert len(problem.durations(x)) == LAYOUT.num_segments[0]
+    jacobian = np.zeros((LAYOUT.num_segments[0], problem.num_variables))
+    jacobian[rows, columns] = values
     assert jacobian @ x == pytest.approx(problem.durations(x))
 
 
@@ -144,7 +154,7 @@ def test_bounds_fix_what_the_scene_gives() -> None:
     middle = replace(scene.agents[0], waypoints=(tuple(knots[2, :2]),))
     told = replace(scene.agents[1], path=tuple(map(tuple, knots[6:12])))
     scene = replace(scene, agents=(middle, told, scene.agents[2]))
-    limits = build_limits(scene, LAYOUT, knots)
+    limits = build_limits(scene, LAYOUT, knots, find_appointments(scene, None, LAYOUT, knots))
     fixed = limits.lower == limits.upper
     assert fixed[0].all()
     assert fixed[5].tolist() == [True, True, False]
@@ -153,4 +163,5 @@ def test_bounds_fix_what_the_scene_gives() -> None:
     assert not fixed[[1, 3, 4, 13]].any()
     assert limits.upper[18, 2] == scene.agents[2].max_time
     assert (limits.least_duration > 0).all()
-    assert waypoint_knots(knots[:6], (tuple(knots[1, :2]), tuple(knots[4, :2]))) == [1, 4]
+    twice = replace(middle, waypoints=(tuple(knots[1, :2]), tuple(knots[4, :2])))
+    assert visit_knots(twice, knots[:6]) == [(1, 1), (4, 4)]

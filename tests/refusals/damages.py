@@ -7,7 +7,9 @@ from collections.abc import Iterator
 
 from tests.refusals.case import BASES, Case, base, beside, dump
 
-_LAUGHS = [f"{chr(98 + k)}: &{chr(98 + k)} [{', '.join(['*' + chr(97 + k)] * 9)}]" for k in range(13)]
+_LAUGHS = [
+    f"{chr(98 + k)}: &{chr(98 + k)} [{', '.join(['*' + chr(97 + k)] * 9)}]" for k in range(13)
+]
 _BOMB = f"{{a: &a [x, x, x, x, x, x, x, x, x], {', '.join(_LAUGHS)}}}"
 # What may stand for a value in flow style.
 RAW = {

@@ -58,7 +58,9 @@ _AGENT: dict[str, Any] = {
     "radius": 0.25,
     "mass": 70.0,
     "after_arrival": "vanish",
-    "waypoints": [[2.0, 1.0], [3.0, 1.5]],
+    "max_speed": 2.0,
+    "max_acceleration": 1.5,
+    "waypoints": [[2.0, 1.0], {"at": [3.0, 1.5], "window": [2.0, 9.0], "dwell": 1.0}],
     "weights": {
         "kinetic": 2.0,
         "acceleration": 0.1,
@@ -94,8 +96,9 @@ _FULL: dict[str, Any] = {
             "preferred_time": 20.0,
         },
     ],
+    "groups": [{"name": "walkers", "members": ["sam", "ann"], "grouping": 0.5}],
     "pairs": [
-        {"between": ["sam", "ann"], "distance": 1.5},
+        {"between": ["sam", "ann"], "distance": 1.5, "meet": {"within": 2.0, "window": [3.0, 8.0]}},
         {"between": ["sam", "all"], "grouping": 2.0},
         {"between": [["sam", "ann"], "cart"], "collide": False},
     ],
@@ -108,6 +111,7 @@ _FULL: dict[str, Any] = {
     },
     "solver": {
         "knots": 30,
+        "starts": 4,
         "mu": 0.1,
         "mu_decay": 0.5,
         "outer_iterations": 3,

@@ -44,6 +44,9 @@ def test_defaults():
             "wall": 1,
         },
         "path": None,
+        "max_speed": None,
+        "max_acceleration": None,
+        "visits": (),
     }
     assert (scene.name, scene.description, scene.map, scene.pairs) == ("scene", "", None, ())
     assert (scene.time_scale, scene.horizon, scene.final_time) == (1, 20, 20)
@@ -56,6 +59,7 @@ def test_defaults():
     }
     assert dataclasses.asdict(scene.solver) == {
         "knots": None,
+        "starts": None,
         "mu": None,
         # Tuned by measurement.
         "mu_decay": scene.solver.mu_decay,

@@ -19,7 +19,8 @@ RADIUS = "    radius: 0.3\n"
         (
             "colour: red",
             "8:5: agents[0].colour: unknown key; start_time, max_time, preferred_time, radius, "
-            "mass, after_arrival, waypoints, weights, id, start, goal and path are known",
+            "mass, after_arrival, max_speed, max_acceleration, waypoints, weights, id, start, goal and "
+            "path are known",
         ),
         (
             "radius: '0.3'",

@@ -68,6 +68,9 @@ def test_examples_of_the_page_are_read(block, tmp_path):
         path = tmp_path / mesh
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n", encoding="utf-8")
+    for table in re.findall(r"file: (\S+?)[,}\s]", block):
+        text = "id,start_x,start_y,goal_x,goal_y\ntom,0,-9,9,-9\n"
+        (tmp_path / table).write_text(text, encoding="utf-8")
     head = "" if block.startswith("stplan:") else "stplan: 1\n"
     if not re.search(r"^horizon:", block, re.M):
         head += "horizon: 20\n"

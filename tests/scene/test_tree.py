@@ -133,7 +133,7 @@ def test_aliases_and_merges_give_copies():
         ("a: @x", "s.yaml:1:4: not valid YAML: found character that cannot start any token"),
         ("a: \x01", "s.yaml:1:4: not valid YAML: the character U+0001 is not allowed in YAML"),
         ("é: \ud800", "s.yaml:1:4: not valid YAML: the character U+D800 is not allowed in YAML"),
-        ("[" * 5_000_000, f"s.yaml:1:{DEEPEST + 1}: nested more than {DEEPEST} levels deep"),
+        ("[" * 5_000_000, f"nested more than {DEEPEST} levels deep"),
         ("{a: " * 1_000_000, "nested more than"),
         ("- " * 1_000_000, f"s.yaml:1:{2 * DEEPEST + 1}: nested more than {DEEPEST} levels deep"),
         ("a" * (LARGEST_FILE + 1), "s.yaml:1:1: the file is larger than 16 MiB"),

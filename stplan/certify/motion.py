@@ -1,0 +1,116 @@
+"""Greatest speed and acceleration of a curve, and whether it visits its waypoints as asked.
+
+Motion is straight at constant speed between knots, so speed is that of segments. Acceleration is the
+change of velocity from one segment to the next over the time between their middles; before the first
+and after the last knot an agent with such a limit is at rest, half a segment from that segment's middle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stplan.arrays import FloatArray
+from stplan.scene.model import Agent, Visit
+
+# A waypoint counts as passed within this distance (m).
+PLACE_TOLERANCE = 1e-6
+# Limits count as kept up to this relative excess, which is rounding; times up to so many seconds.
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class Peak:
+    """How near an agent comes to a limit of its motion, and when (s)."""
+
+    agent: str
+    limit: str
+    allowed: float
+    reached: float
+    time: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the limit is kept."""
+        return self.reached <= self.allowed * (1.0 + ROUNDING)
+
+    def __str__(self) -> str:
+        """In words."""
+        unit = "m/s" if self.limit == "speed" else "m/s2"
+        return (
+            f"{self.agent}: {self.limit} {self.reached:.6g} {unit} at t = {self.time:.6g} s; "
+            f"at most {self.allowed:.6g} {unit} is allowed"
+        )
+
+
+def motion_peaks(agent: Agent, curve: FloatArray) -> list[Peak]:
+    """Speed and acceleration of `curve` (n + 1, 3) where the agent has limits."""
+    peaks = []
+    step = np.diff(curve, axis=0)
+    velocity = step[:, :2] / step[:, 2:]
+    if agent.max_speed is not None:
+        speed = np.hypot(velocity[:, 0], velocity[:, 1])
+        worst = int(speed.argmax())
+        when = 0.5 * float(curve[worst, 2] + curve[worst + 1, 2])
+        peaks.append(Peak(agent.id, "speed", agent.max_speed, float(speed[worst]), when))
+    if agent.max_acceleration is not None:
+        rest = np.zeros((1, 2))
+        change = np.diff(np.vstack([rest, velocity, rest]), axis=0)
+        half = np.concatenate([[0.0], 0.5 * step[:, 2], [0.0]])
+        acceleration = np.hypot(change[:, 0], change[:, 1]) / (half[:-1] + half[1:])
+        worst = int(acceleration.argmax())
+        limit, reached = agent.max_acceleration, float(acceleration[worst])
+        peaks.append(Peak(agent.id, "acceleration", limit, reached, float(curve[worst, 2])))
+    return peaks
+
+
+def missed_visit(agent: Agent, curve: FloatArray) -> str:
+    """What is wrong with the first waypoint that is not visited in order and as asked, or ""."""
+    visits = agent.visits or (Visit(),) * len(agent.waypoints)
+    now = -np.inf
+    for number, (point, visit) in enumerate(zip(agent.waypoints, visits, strict=True), start=1):
+        begin, end = visit.window or (-np.inf, np.inf)
+        begin = max(begin, now)
+        for enter, leave in _stays(curve, point):
+            arrives = max(begin, enter)
+            if arrives + visit.dwell <= min(end, leave) + ROUNDING:
+                now = arrives + visit.dwell
+                break
+        else:
+            return _missed(agent.id, number, point, visit)
+    return ""
+
+
+def _missed(name: str, number: int, point: tuple[float, float], visit: Visit) -> str:
+    what = f"{name}: does not pass waypoint {number} {point} in order"
+    if visit.window is not None:
+        what += f" between {visit.window[0]:g} and {visit.window[1]:g} s"
+    if visit.dwell > 0:
+        what += f", staying there for {visit.dwell:g} s"
+    return what
+
+
+def _stays(curve: FloatArray, point: tuple[float, float]) -> list[tuple[float, float]]:
+    """When a curve is on `point`: intervals [enter, leave] in s, in order."""
+    start, step = curve[:-1], np.diff(curve, axis=0)
+    squared = (step[:, :2] ** 2).sum(axis=1)
+    moves = squared > 0
+    safe = np.where(moves, squared, 1.0)
+    along = ((point - start[:, :2]) * step[:, :2]).sum(axis=1) / safe
+    across = PLACE_TOLERANCE**2 - ((start[:, :2] + along[:, None] * step[:, :2] - point) ** 2).sum(
+        axis=1
+    )
+    half = np.sqrt(np.maximum(across, 0.0) / safe)
+    first = np.where(moves, np.maximum(along - half, 0.0), 0.0)
+    last = np.where(moves, np.minimum(along + half, 1.0), 1.0)
+    near = np.hypot(*(start[:, :2] - point).T) <= PLACE_TOLERANCE
+    stays: list[tuple[float, float]] = []
+    for k in np.flatnonzero(np.where(moves, (across >= 0) & (first <= last), near)):
+        enter = float(start[k, 2] + first[k] * step[k, 2])
+        leave = float(curve[k + 1, 2] if last[k] == 1.0 else start[k, 2] + last[k] * step[k, 2])
+        if stays and enter <= stays[-1][1]:
+            stays[-1] = (stays[-1][0], leave)
+        else:
+            stays.append((enter, leave))
+    return stays

@@ -1,0 +1,85 @@
+"""Acceleration limit: |v_{i+1} - v_i| / ((dt_i + dt_{i+1}) / 2) <= a_a, at rest before and after.
+
+v_i is the velocity of segment i, and the time is that between the middles of two segments. Before the first
+and after the last knot the agent is at rest, half a segment from the middle of that one: |v| / (dt / 2).
+
+With u = v_2 - v_1 and g = 2 / (h_1 + h_2):  w = u g,  dg/dh = -g^2/2,  ddg = g^3/2,
+dw = g du + u dg,  ddw = g ddu + du dg^T + dg du^T + u ddg.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stplan.arrays import FloatArray
+from stplan.costs.limit import Limit, Profile, Vectors, by_knots, power_vectors
+from stplan.world_lines import KnotLayout
+
+
+class AccelerationLimit(Limit):
+    """Changes of velocity at inner knots, m/s^2."""
+
+    name = "acceleration limit"
+
+    def __init__(self, layout: KnotLayout, limits: FloatArray, profile: Profile) -> None:
+        """`limits` (A,) in m/s^2, inf where an agent has none."""
+        inner = np.isfinite(limits[layout.agent_of_knot])
+        inner[layout.first] = inner[layout.last] = False
+        middle = np.flatnonzero(inner)
+        super().__init__(
+            np.column_stack([middle - 1, middle, middle + 1]),
+            limits[layout.agent_of_knot[middle]],
+            profile,
+            layout.num_knots,
+        )
+
+    def vectors(self, local: FloatArray) -> Vectors:
+        """Accelerations."""
+        step = np.diff(local, axis=1)
+        count = len(step)
+        place, time = step[:, :, :2], step[:, :, 2]
+        pace = 1.0 / time
+        change = place[:, 1] * pace[:, 1:] - place[:, 0] * pace[:, :1]
+        rate = 2.0 / time.sum(axis=1)
+        by_rate = np.zeros((count, 6))
+        by_rate[:, [2, 5]] = (-0.5 * rate**2)[:, None]
+        by_rate_twice = np.zeros((count, 6, 6))
+        for i in (2, 5):
+            for j in (2, 5):
+                by_rate_twice[:, i, j] = 0.5 * rate**3
+        first = np.zeros((count, 2, 6))
+        second = np.zeros((count, 2, 6, 6))
+        for k in range(2):
+            for s, sign in ((0, -1.0), (1, 1.0)):
+                at, when = 3 * s + k, 3 * s + 2
+                first[:, k, at] = sign * pace[:, s]
+                first[:, k, when] = -sign * place[:, s, k] * pace[:, s] ** 2
+                second[:, k, at, when] = second[:, k, when, at] = -sign * pace[:, s] ** 2
+                second[:, k, when, when] = 2.0 * sign * place[:, s, k] * pace[:, s] ** 3
+        outer = first[:, :, :, None] * by_rate[:, None, None, :]
+        second = rate[:, None, None, None] * second + outer + outer.swapaxes(2, 3)
+        second += change[:, :, None, None] * by_rate_twice[:, None]
+        first = rate[:, None, None] * first + change[:, :, None] * by_rate[:, None, :]
+        return Vectors(rate[:, None] * change, *by_knots(first, second))
+
+
+class RestLimit(Limit):
+    """From rest to the first segment's velocity and from the last one's to rest, m/s^2."""
+
+    name = "rest limit"
+
+    def __init__(self, layout: KnotLayout, limits: FloatArray, profile: Profile) -> None:
+        """`limits` (A,) in m/s^2, inf where an agent has none."""
+        chosen = np.flatnonzero(np.isfinite(limits))
+        start = np.concatenate([layout.first[chosen], layout.last[chosen] - 1])
+        super().__init__(
+            np.column_stack([start, start + 1]),
+            np.tile(limits[chosen], 2),
+            profile,
+            layout.num_knots,
+        )
+
+    def vectors(self, local: FloatArray) -> Vectors:
+        """Accelerations."""
+        step = local[:, 1] - local[:, 0]
+        return power_vectors(step[:, :2], step[:, 2], 2.0, 2)

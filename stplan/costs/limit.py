@@ -1,0 +1,194 @@
+"""What limits of speed, of acceleration and of a meeting's distance share: |w| <= limit.
+
+w is a vector in the plane that depends on a few knots (a velocity, a change of it, a distance of two
+agents). With f = |w|^2 / limit^2 a limit enters the objective in one of two ways:
+
+    barrier   mu b(1 - f), the barrier of `smooth_distance.barrier`, undefined from f = 1 on;
+    penalty   (sqrt(f) - aim)^2 where sqrt(f) > aim, defined everywhere: it leads curves that break
+              a limit to where the barrier can take over.
+
+Derivatives: with J = dw and K_k = ddw_k,  df = 2 J^T w / limit^2,  ddf = 2 (J^T J + sum w_k K_k) / limit^2,
+and those of phi(f) follow. phi' >= 0 and phi'' >= 0, so leaving out K gives a positive semidefinite
+stand-in.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+
+from stplan.arrays import FloatArray, IntArray
+from stplan.compiled import kernel
+from stplan.costs.term import Term, block_structure, pack_blocks
+from stplan.smooth_distance.barrier import barrier
+
+
+@dataclass(frozen=True)
+class Barrier:
+    """mu b(1 - f), felt where 1 - f < `reach`."""
+
+    mu: float
+    reach: float = 0.25
+
+
+@dataclass(frozen=True)
+class Penalty:
+    """weight (sqrt(f) - aim)^2 where sqrt(f) > `aim`."""
+
+    weight: float
+    aim: float = 0.95
+
+
+Profile = Barrier | Penalty
+
+
+@dataclass(frozen=True)
+class Vectors:
+    """w (N, 2), its first (N, 2, V) and second (N, 2, V, V) derivatives by a stencil's V variables."""
+
+    value: FloatArray
+    first: FloatArray
+    second: FloatArray
+
+
+class Limit(Term):
+    """Keeps N vectors below their limits.
+
+    Args:
+        stencils: (N, K) knots each vector depends on, increasing.
+        limits: (N,) in the unit of the vectors.
+        profile: how the limit enters.
+        num_knots: M.
+    """
+
+    def __init__(
+        self, stencils: IntArray, limits: FloatArray, profile: Profile, num_knots: int
+    ) -> None:
+        self._stencils = stencils
+        self._limits = limits
+        self._profile = profile
+        self._num_knots = num_knots
+
+    @abstractmethod
+    def vectors(self, local: FloatArray) -> Vectors:
+        """The vectors at `local` (N, K, 3), the knots of every stencil."""
+
+    def _vectors(self, knots: FloatArray) -> Vectors:
+        return self.vectors(knots[self._stencils])
+
+    def shares(self, knots: FloatArray) -> FloatArray:
+        """(N,) |w| over its limit."""
+        return np.hypot(*self._vectors(knots).value.T) / self._limits
+
+    @property
+    def barred(self) -> bool:
+        """Whether the limits are kept by a barrier, not aimed at by a penalty."""
+        return isinstance(self._profile, Barrier)
+
+    def least_slack(self, knots: FloatArray) -> float:
+        """The least 1 - f, inf where nothing is limited."""
+        return float((1.0 - self.shares(knots) ** 2).min(initial=np.inf))
+
+    def _profiled(self, squared: FloatArray) -> FloatArray:
+        """(3, N) phi, phi', phi'' at f."""
+        result = np.zeros((3, len(squared)))
+        if isinstance(self._profile, Barrier):
+            _barriers(squared, self._profile.mu, self._profile.reach, result)
+            return result
+        weight, aim = self._profile.weight, self._profile.aim
+        share = np.sqrt(squared)
+        over = share > aim
+        result[0, over] = weight * (share[over] - aim) ** 2
+        result[1, over] = weight * (1.0 - aim / share[over])
+        result[2, over] = 0.5 * weight * aim / share[over] ** 3
+        return result
+
+    def value(self, knots: FloatArray) -> float:
+        """The cost, inf where a barrier's limit is reached."""
+        squared = self.shares(knots) ** 2
+        if isinstance(self._profile, Barrier) and (squared >= 1.0).any():
+            return np.inf
+        return float(self._profiled(squared)[0].sum())
+
+    def gradient(self, knots: FloatArray) -> FloatArray:
+        """(M, 3)."""
+        vectors = self._vectors(knots)
+        squared = (vectors.value**2).sum(axis=1) / self._limits**2
+        slope = 2.0 * self._profiled(squared)[1] / self._limits**2
+        own = slope[:, None] * np.einsum("nk,nkv->nv", vectors.value, vectors.first)
+        result = np.zeros((self._num_knots, 3))
+        np.add.at(result, self._stencils, own.reshape(*self._stencils.shape, 3))
+        return result
+
+    def hessian_structure(self) -> tuple[IntArray, IntArray]:
+        """Blocks among the knots of every stencil."""
+        parts = [
+            block_structure(self._stencils[:, i], self._stencils[:, j]) for i, j in self._pairs()
+        ]
+        return np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
+
+    def hessian(self, knots: FloatArray) -> FloatArray:
+        """Exact second derivatives in the order of the structure."""
+        return self._second(knots, exact=True)
+
+    def gauss_newton_hessian(self, knots: FloatArray) -> FloatArray:
+        """Without the curvature of the vectors: positive semidefinite."""
+        return self._second(knots, exact=False)
+
+    def _pairs(self) -> list[tuple[int, int]]:
+        count = self._stencils.shape[1]
+        return [(i, j) for i in range(count) for j in range(i + 1)]
+
+    def _second(self, knots: FloatArray, exact: bool) -> FloatArray:
+        vectors = self._vectors(knots)
+        scale = 2.0 / self._limits**2
+        _, slope, curvature = self._profiled((vectors.value**2).sum(axis=1) / self._limits**2)
+        by_f = scale[:, None] * np.einsum("nk,nkv->nv", vectors.value, vectors.first)
+        bent = np.einsum("nkv,nkw->nvw", vectors.first, vectors.first)
+        if exact:
+            bent += np.einsum("nk,nkvw->nvw", vectors.value, vectors.second)
+        whole = (slope * scale)[:, None, None] * bent
+        whole += curvature[:, None, None] * by_f[:, :, None] * by_f[:, None, :]
+        return np.concatenate(
+            [
+                pack_blocks(whole[:, 3 * i : 3 * i + 3, 3 * j : 3 * j + 3], diagonal=i == j)
+                for i, j in self._pairs()
+            ]
+        )
+
+
+@kernel
+def _barriers(squared: FloatArray, mu: float, reach: float, result: FloatArray) -> None:
+    for k in range(len(squared)):
+        value, first, second = barrier(1.0 - squared[k], reach)
+        result[0, k] = mu * value
+        result[1, k] = -mu * first
+        result[2, k] = mu * second
+
+
+def by_knots(first: FloatArray, second: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Derivatives by segments (N, 2, 3 S) and (N, 2, 3 S, 3 S) -> by the S + 1 knots they join."""
+    segments = first.shape[2] // 3
+    ahead, behind = np.eye(segments, segments + 1, 1), np.eye(segments, segments + 1)
+    difference = np.kron(ahead - behind, np.eye(3))
+    return first @ difference, difference.T @ second @ difference
+
+
+def power_vectors(step: FloatArray, duration: FloatArray, factor: float, power: int) -> Vectors:
+    """w = factor dx / h^power of segments `step` dx (N, 2) in m and `duration` h (N,) in s.
+
+    With p the power:  dw/d(dx) = factor / h^p,  dw/dh = -p w / h,
+    ddw/(d(dx) dh) = -p factor / h^(p+1),  ddw/dh^2 = p (p + 1) w / h^2.
+    """
+    count = len(duration)
+    first = np.zeros((count, 2, 3))
+    second = np.zeros((count, 2, 3, 3))
+    base = factor * duration**-power
+    for k in range(2):
+        first[:, k, k] = base
+        first[:, k, 2] = -power * base * step[:, k] / duration
+        second[:, k, k, 2] = second[:, k, 2, k] = -power * base / duration
+        second[:, k, 2, 2] = power * (power + 1) * base * step[:, k] / duration**2
+    return Vectors(base[:, None] * step, *by_knots(first, second))

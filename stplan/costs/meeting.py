@@ -1,0 +1,33 @@
+"""Meetings: |p_i - p_j| <= within for the two knots at which a pair meets.
+
+That both are reached at one time is not this term's business: the problem keeps t_i = t_j as a linear
+constraint.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stplan.arrays import FloatArray, IntArray
+from stplan.costs.limit import Limit, Profile, Vectors
+
+
+class MeetingLimit(Limit):
+    """Distances of pairs at their meetings, m."""
+
+    name = "meeting"
+
+    def __init__(
+        self, links: IntArray, within: FloatArray, profile: Profile, num_knots: int
+    ) -> None:
+        """`links` (L, 2) knots i < j of different agents, `within` (L,) in m."""
+        super().__init__(links, within, profile, num_knots)
+
+    def vectors(self, local: FloatArray) -> Vectors:
+        """Relative positions."""
+        count = len(local)
+        first = np.zeros((count, 2, 6))
+        for k in range(2):
+            first[:, k, k] = -1.0
+            first[:, k, 3 + k] = 1.0
+        return Vectors(local[:, 1, :2] - local[:, 0, :2], first, np.zeros((count, 2, 6, 6)))

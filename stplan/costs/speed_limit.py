@@ -1,0 +1,29 @@
+"""Speed limit: |dx_i / dt_i| <= v_a for every segment of an agent with a `max_speed`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stplan.arrays import FloatArray
+from stplan.costs.limit import Limit, Profile, Vectors, power_vectors
+from stplan.world_lines import KnotLayout
+
+
+class SpeedLimit(Limit):
+    """Velocities of segments, m/s."""
+
+    name = "speed limit"
+
+    def __init__(self, layout: KnotLayout, limits: FloatArray, profile: Profile) -> None:
+        """`limits` (A,) in m/s, inf where an agent has none."""
+        limit = limits[layout.agent_of_segment]
+        chosen = np.isfinite(limit)
+        start = layout.segment[chosen]
+        super().__init__(
+            np.column_stack([start, start + 1]), limit[chosen], profile, layout.num_knots
+        )
+
+    def vectors(self, local: FloatArray) -> Vectors:
+        """Velocities."""
+        step = local[:, 1] - local[:, 0]
+        return power_vectors(step[:, :2], step[:, 2], 1.0, 1)

@@ -1,0 +1,125 @@
+"""Limits of motion, visits and meetings on hand-made curves whose outcome is known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stplan.certify.certificate import Certificate, certify
+from stplan.scene import parse_scene
+from stplan.world_lines import WorldLines
+
+FAR = [[0, 9, 0], [8, 9, 10]]
+
+
+def check(own: str, curve: list, other: list = FAR, more: str = "") -> Certificate:
+    """The certificate of a walker with keys `own` and another one."""
+    scene = parse_scene(
+        "stplan: 1\nhorizon: 10\nagents:\n"
+        f"  - {{id: a, start: [0, 0], goal: [8, 0], {own}}}\n"
+        f"  - {{id: b, start: [0, 9], goal: [8, 9]}}\n{more}"
+    )
+    curves = [np.array(one, dtype=float) for one in (curve, other)]
+    return certify(scene, None, WorldLines.from_curves(["a", "b"], curves))
+
+
+def test_speed_of_every_segment() -> None:
+    curve = [[0, 0, 0], [2, 0, 4], [8, 0, 7]]
+    found = check("max_speed: 2.0", curve)
+    assert found.holds
+    assert found.limits[0].reached == 2.0
+    assert found.as_dict()["limits"]["rows"] == [["a", "speed", 2.0, 2.0, 5.5]]
+    broken = check("max_speed: 1.9", curve)
+    assert broken.violations == ("a: speed 2 m/s at t = 5.5 s; at most 1.9 m/s is allowed",)
+
+
+@pytest.mark.parametrize(
+    ("curve", "greatest", "when"),
+    [
+        # From rest: the first segment's middle is half its duration away.
+        ([[0, 0, 0], [8, 0, 8]], 0.25, 0),
+        ([[0, 0, 0], [1, 0, 4], [7, 0, 6], [8, 0, 10]], 2.75 / 3, 4),
+        ([[0, 0, 0], [7, 0, 9], [8, 0, 9.5]], 8.0, 9.5),
+    ],
+)
+def test_acceleration_from_rest_to_rest(curve, greatest, when) -> None:
+    found = check("max_acceleration: 8.0", curve)
+    assert found.holds
+    assert found.limits[0].reached == pytest.approx(greatest)
+    assert found.limits[0].time == when
+    (sentence,) = check(f"max_acceleration: {0.99 * greatest}", curve).violations
+    assert sentence.startswith("a: acceleration ")
+
+
+STAY = [[0, 0, 0], [4, 0, 3], [4, 0, 6], [8, 0, 10]]
+
+
+@pytest.mark.parametrize(
+    ("visit", "kept"),
+    [
+        ("dwell: 3", True),
+        ("dwell: 3.01", False),
+        ("window: [2, 4], dwell: 1", True),
+        ("window: [2, 4], dwell: 1.1", False),
+        ("window: [5, 9]", True),
+        ("window: [6.1, 9]", False),
+        ("window: [1, 2.9]", False),
+    ],
+)
+def test_visits(visit: str, kept: bool) -> None:
+    found = check(f"waypoints: [{{at: [4, 0], {visit}}}]", STAY)
+    assert found.holds == kept
+    if not kept:
+        assert "waypoint 1 (4.0, 0.0) in order" in found.violations[0]
+
+
+def test_visits_follow_one_another() -> None:
+    two = "waypoints: [{{at: [4, 0], dwell: {}}}, {{at: [4, 0], dwell: 2}}]"
+    assert check(two.format(1.0), STAY).holds
+    assert "waypoint 2" in check(two.format(1.1), STAY).violations[0]
+
+
+def test_a_short_stop_is_no_long_one() -> None:
+    slow = [[0, 0, 0], [4, 0, 3], [4.1, 0, 6], [8, 0, 10]]
+    assert not check("waypoints: [{at: [4, 0], dwell: 1}]", slow).holds
+
+
+MEET = "pairs: [{{between: [a, b], meet: {{within: {}}}}}]"
+
+
+def test_meetings_are_at_a_common_instant() -> None:
+    up = [[0, 0, 0], [4, 4, 5], [8, 0, 10]]
+    down = [[0, 9, 0], [4, 5, 5], [8, 9, 10]]
+    found = check("radius: 0.3", up, down, MEET.format("1.0"))
+    assert found.holds
+    assert found.meetings[0].distance == pytest.approx(1.0)
+    assert found.meetings[0].time == pytest.approx(5.0)
+    assert found.meetings[0].place == pytest.approx((4.0, 4.5))
+    # The same path at another time is no meeting.
+    late = [[0, 9, 0], [4, 5, 8], [8, 9, 10]]
+    (sentence,) = check("radius: 0.3", up, late, MEET.format("1.0")).violations
+    assert sentence.startswith("a and b: come no nearer than ")
+    assert "within 1 m" in sentence
+
+
+def test_meetings_between_knots_and_windows() -> None:
+    up = [[0, 0, 0], [8, 8, 8], [8, 0, 10]]
+    down = [[0, 9, 0], [8, 1, 8], [8, 9, 10]]
+    off = "pairs: [{between: [a, b], collide: false, meet: {within: 1.5%s}}]"
+    found = check("radius: 0.3", up, down, off % "")
+    assert found.meetings[0].distance == pytest.approx(0.0, abs=1e-9)
+    assert found.meetings[0].time == pytest.approx(4.5)
+    assert not check("radius: 0.3", up, down, off % ", window: [0, 3]").holds
+    assert check("radius: 0.3", up, down, off % ", window: [0, 4]").holds
+    assert check("radius: 0.3", up, down, off % ", window: [9, 20]").holds
+
+
+def test_who_vanishes_before_is_not_met() -> None:
+    gone = check(
+        "radius: 0.3, after_arrival: vanish, max_time: 4",
+        [[0, 0, 0], [8, 0, 4]],
+        FAR,
+        "pairs: [{between: [a, b], meet: {within: 20, window: [2, 9]}}]",
+    )
+    assert gone.holds
+    assert gone.meetings[0].time <= 4.0
