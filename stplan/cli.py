@@ -25,20 +25,43 @@ from stplan.commands import (
 from stplan.errors import UsageError
 from stplan.reporting import Console, failure, write
 
-_EXIT_STATUSES = """\b
+_HELP = """Plan collision-free space-time trajectories for many unequal agents in tight spaces.
+
+A scene file (YAML) says where the walls are, who moves from where to where, how large, heavy and
+patient everybody is. `solve` plans it and writes trajectories, a certificate that nobody touches
+anybody or a wall at any instant, and a report. Results go to stdout and files, progress and
+messages to stderr. `stplan COMMAND --help` has the details and examples of a command.
+"""
+_EPILOG = """\b
+Examples:
+  stplan solve scenes/bottleneck/bottleneck.yaml     plan; the files are in outputs/bottleneck/
+  stplan explain outputs/bottleneck                  what is tight, who waits for whom
+  stplan check outputs/bottleneck                    certify once more
+  stplan diff golden outputs --atol 1e-6             compare with runs kept earlier
+\b
+Files of a run, in outputs/NAME/:
+  trajectories.csv, .npz   agent, knot, x, y, t: straight at constant speed between knots
+  seed.csv, .npz           the initial curves
+  report.json              status, certificate, costs, arrival times; the same bytes every time
+  run.json                 what differs from run to run: times, host, dates
+\b
 Exit status:
   0    done, and every trajectory written holds its certificate
-  1    diff found a difference; check found a violation
+  1    diff found a difference; check or explain found a violation
   2    the command line or a scene is wrong
   3    no collision-free initial curves were found
   4    the solver failed; the best feasible trajectories were still written
   5    internal error
-  130  interrupted; the best feasible trajectories so far were written"""
+  130  interrupted; the best feasible trajectories so far were written
+
+Units are metres, seconds and kilograms. The keys of a scene are in docs/scene-format.md.
+`stplan --install-completion` teaches the shell to complete commands and options.
+"""
 
 app = typer.Typer(
     name="stplan",
-    help="Plan collision-free space-time trajectories for many unequal agents in tight spaces.",
-    epilog=_EXIT_STATUSES,
+    help=_HELP,
+    epilog=_EPILOG,
     no_args_is_help=True,
     # Plain help and errors: they are read in logs and through pipes as often as in a terminal.
     rich_markup_mode=None,
@@ -54,7 +77,9 @@ Output = Annotated[
 Overrides = Annotated[
     list[str] | None,
     typer.Option(
-        "--set", metavar="KEY=VALUE", help="Override a value of the scene; may be repeated."
+        "--set",
+        metavar="KEY=VALUE",
+        help="Override a value of the scene, as in solver.mu=0.1 or agents.sam.radius=0.4; may be repeated.",
     ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")]
@@ -112,6 +137,11 @@ def solve(
 ) -> None:
     """Plan scenes; write their trajectories and a report.
 
+    For every scene initial curves are found that are clear of each other and of the walls, then all
+    are made smooth and cheap at once, and the result is certified by code of its own. Interrupted
+    (Ctrl-C, SIGTERM) it writes the best feasible trajectories so far. The same scene gives the same
+    bytes, run.json excepted.
+
     Of several scenes each is planned; the exit status is the worst of them, in the order
     5, 130, 2, 3, 4, 0.
 
@@ -139,7 +169,8 @@ def seed(
 ) -> None:
     """Find only the initial curves.
 
-    Writes seed.csv and seed.npz.
+    Writes seed.csv and seed.npz: curves that are clear, but neither smooth nor cheap. Exit status 3
+    where none are found; `stplan explain SCENE` then says more.
 
     \b
     Example:
@@ -278,7 +309,8 @@ def validate(
 ) -> None:
     """Check scenes and their maps without planning.
 
-    Every fault is named with its file, line and column.
+    All faults are named at once, each as FILE:LINE:COLUMN: path: what is wrong, what is expected.
+    Exit status 0 when every scene is valid, 2 otherwise.
 
     \b
     Example:
@@ -293,7 +325,8 @@ def validate(
 def schema() -> None:
     """Print the JSON Schema of scene files.
 
-    Editors complete and check scene files with it.
+    It is made from the model that validates scenes. Editors complete and check scene files with it,
+    for example by a first line `# yaml-language-server: $schema=stplan.schema.json`.
 
     \b
     Example:
