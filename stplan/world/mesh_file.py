@@ -54,7 +54,9 @@ def read_flat_mesh(path: Path, up: str) -> tuple[FloatArray, IntArray]:
     if triangles.min() < 0 or triangles.max() >= len(vertices):
         raise SceneError(f"{path.name} has faces that refer to vertices it does not have")
     flat = vertices[:, _KEPT_AXES[up]]
-    if not np.isfinite(flat[triangles]).all() or np.abs(flat[triangles]).max() > 1e9:
+    # Of the axis that is dropped too: normals are computed with it.
+    corners = vertices[triangles]
+    if not np.isfinite(corners).all() or np.abs(corners).max() > 1e9:
         raise SceneError(f"{path.name} has vertices that are not finite or absurdly far away")
     if kind in {"ply", "off"} and _has_folds(vertices, triangles, "xyz".index(up)):
         raise SceneError(f"{path.name} has concave faces; triangles are expected, or an OBJ file")

@@ -97,7 +97,30 @@ _FLOOR: dict[str, Any] = {
         {"id": "二", "start": [9.0, 1.0], "goal": [1.0, 7.0], "max_time": 25.0},
     ],
 }
-BASES = {"room": _ROOM, "hall": _HALL, "floor": _FLOOR}
+_CROWD: dict[str, Any] = {
+    "stplan": 1,
+    "horizon": 60.0,
+    "agents": [
+        {"id": "kim", "start": [-3.0, 0.0], "goal": [-3.0, 9.0], "max_speed": 2.0, "max_acceleration": 1.0,
+         "waypoints": [{"at": [-4.0, 4.0], "window": [10.0, 30.0], "dwell": 2.0}, [-4.0, 6.0]]},
+        {"id": "lee", "start": [-5.0, 0.0], "goal": [-5.0, 9.0]},
+        {"pattern": "circle", "id": "walker", "count": 6, "radius": 0.2, "first_angle": 10.0,
+         "turn": 170.0, "circle": {"center": [10.0, 10.0], "radius": 4.0}},
+        {"pattern": "line", "id": "east", "count": 4, "start": [[20.0, 0.0], [20.0, 6.0]],
+         "goal": [[30.0, 0.0], [30.0, 6.0]]},
+        {"pattern": "grid", "id": "block", "rows": 2, "columns": 2, "spacing": [1.5, 1.5],
+         "start": [40.0, 0.0], "goal": [40.0, 20.0]},
+        {"file": "people.csv", "id": "people", "mass": 60.0},
+    ],
+    "groups": [{"name": "family", "members": ["kim", "lee"], "grouping": 3.0, "distance": 0.7}],
+    "pairs": [{"between": ["kim", "lee"], "meet": {"within": 3.0, "window": [5.0, 40.0]}},
+              {"between": ["family", "people"], "distance": 0.8}],
+}  # fmt: skip
+PEOPLE = """id,start_x,start_y,goal_x,goal_y,radius,max_time,after_arrival,weights.arrival,preferred_time
+p1,50,0,50,9,0.25,,vanish,,
+p2,52,0,52,9,,30,,1.5,20
+"""
+BASES = {"room": _ROOM, "hall": _HALL, "floor": _FLOOR, "crowd": _CROWD}
 
 
 def base(name: str) -> dict[str, Any]:
@@ -112,6 +135,6 @@ def dump(tree: Any, *, flow: bool = False) -> bytes:
     return text.encode()
 
 
-def beside(name: str) -> dict[str, Content]:
+def beside(name: str) -> Mapping[str, Content]:
     """The files of a valid scene."""
-    return {"floor.obj": FLOOR} if name == "floor" else {}
+    return {"floor": {"floor.obj": FLOOR}, "crowd": {"people.csv": PEOPLE.encode()}}.get(name, {})

@@ -97,8 +97,40 @@ _FILES = {
 }
 
 
+_HEAD = b"id,start_x,start_y,goal_x,goal_y\n"
+_TABLES = {
+    "empty": b"",
+    "head only": _HEAD,
+    "other head": b"a,b,c\n1,2,3\n",
+    "column twice": _HEAD[:-1] + b",id\na,1,1,2,2,b\n",
+    "too few cells": _HEAD + b"a,1,1\n",
+    "no number": _HEAD + b"a,one,1,2,2\n",
+    "nan": _HEAD + b"a,nan,1,2,2\n",
+    "huge": _HEAD + b"a,1e300,1,2,2\n",
+    "no id": _HEAD + b",1,1,2,2\n",
+    "bad id": _HEAD + b"'a b',1,1,2,2\n",
+    "twice": _HEAD + b"a,1,1,2,2\na,5,5,6,6\n",
+    "open quote": _HEAD + b'"a,1,1,2,2\n',
+    "long cell": _HEAD + b"a" * 200_000 + b",1,1,2,2\n",
+    "latin": _HEAD + b"caf\xe9,1,1,2,2\n",
+    "nul": _HEAD + b"a\0b,1,1,2,2\n",
+    "formula": _HEAD + b"=cmd(),1,1,2,2\n",
+    "one place": _HEAD + b"a,1,1,2,2\nb,1,1,5,5\n",
+    "20000 rows": _HEAD + b"".join(b"a%d,1,%d,2,%d\n" % (k, k, k) for k in range(20_000)),
+    "100000 bad rows": _HEAD + b"a,x,1,2,2\n" * 100_000,
+    "above 16 MiB": b"x" * (16 * 2**20 + 1),
+}
+
+
+def _tables() -> Iterator[Case]:
+    text = b"stplan: 1\nhorizon: 20\nagents: [{file: people.csv}]\n"
+    for name, table in _TABLES.items():
+        yield Case(f"table: {name}", text, {"people.csv": table}, "agents")
+
+
 def cases() -> Iterator[Case]:
-    """All damaged texts."""
+    """All damaged texts and tables."""
+    yield from _tables()
     yield from _raw()
     yield from _damaged()
     for name, text in _FILES.items():

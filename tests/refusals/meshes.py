@@ -168,6 +168,8 @@ OFF: dict[str, Content] = {
     "faces missing": b"OFF\n3 2 0\n" + _TRIANGLE + b"3 0 1 2\n",
     "negative": b"OFF\n-3 -1 0\n" + _TRIANGLE,
     "no such vertex": b"OFF\n3 1 0\n" + _TRIANGLE + b"3 0 1 9\n",
+    "infinitely high": b"OFF\n3 1 0\n0 0 inf\n9 0 0\n0 9 0\n3 0 1 2\n",
+    "very high": b"OFF\n3 1 0\n0 0 1e300\n9 0 -1e300\n0 9 0\n3 0 1 2\n",
     "words": b"OFF\nthree one zero\n" + _TRIANGLE,
     "noise": b"OFF\n" + random.Random(5).randbytes(2000),
 }

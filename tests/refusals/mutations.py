@@ -49,6 +49,8 @@ def missing_key(tree: dict[str, Any], rng: random.Random) -> str | None:
     """A required key is gone."""
     required = {"stplan", "agents", "id", "start", "goal", "between", "center"}
     spot = _pick(tree, rng, lambda key, value: key in required)
+    if "file" in spot[0]:
+        return None
     del spot[0][spot[1]]
     return str(spot[2]) if spot[1] != "center" else spot[2].rpartition(".")[0]
 
@@ -161,6 +163,8 @@ def rectangle(tree: dict[str, Any], rng: random.Random) -> str | None:
 
 def stop_outside(tree: dict[str, Any], rng: random.Random) -> str | None:
     """A start or goal lies outside the map, in an obstacle or too near a wall."""
+    if "map" not in tree:
+        return None
     agent = rng.randrange(2)
     key = rng.choice(["start", "goal"])
     if rng.random() < 0.3:
@@ -276,6 +280,8 @@ def bases_of_the_map(tree: dict[str, Any], rng: random.Random) -> str | None:
 
 def nothing_left(tree: dict[str, Any], rng: random.Random) -> str | None:
     """Obstacles cover the whole map."""
+    if "map" not in tree:
+        return None
     grow = rng.uniform(0, 50)
     cover: list[dict[str, Any]] = [
         {"rectangle": [-1 - grow, -1 - grow, 13 + grow, 13 + grow]},
@@ -297,10 +303,44 @@ def option(tree: dict[str, Any], rng: random.Random) -> str | None:
     return "solver.ipopt"
 
 
+def table(tree: dict[str, Any], rng: random.Random) -> str | None:
+    """A table of agents is somewhere else, or no table."""
+    if "horizon" not in tree:
+        return None
+    trick = rng.choice(
+        ["../..", "/etc/passwd", "/dev/zero", "/proc/self/environ", "none.csv", "floor.obj", "", "x" * 300,
+         "scene.yaml", "../../../../etc/shadow", "http://localhost/x.csv", "people.csv\0"]
+    )  # fmt: skip
+    tree["agents"].append({"file": trick, "id": "visitors"})
+    return f"agents[{len(tree['agents']) - 1}].file"
+
+
+def pattern(tree: dict[str, Any], rng: random.Random) -> str | None:
+    """A pattern lays out nobody, too many, or all in one place."""
+    entry: dict[str, Any] = rng.choice(
+        [
+            {"pattern": "grid", "rows": 10_000, "columns": rng.randint(1000, 10_000), "spacing": [1, 1],
+             "start": [0, 0], "goal": [0, 9]},
+            {"pattern": "grid", "rows": 2, "columns": 2, "spacing": [0, 0], "start": [3, 5], "goal": [0, 9]},
+            {"pattern": "line", "count": 3, "start": [[0, 0], [0, 0]], "goal": [[0, 9], [9, 9]]},
+            {"pattern": "line", "count": 10**9, "start": [[0, 0], [1, 0]], "goal": [[0, 9], [9, 9]]},
+            {"pattern": "circle", "count": 9999, "circle": {"center": [0, 0], "radius": 1e6}},
+            {"pattern": "circle", "count": 2000, "circle": {"center": [0, 0], "radius": 1}},
+            {"pattern": "circle", "count": 0, "circle": {"center": [0, 0], "radius": 1}},
+            {"pattern": "spiral", "count": 3}, {"pattern": ["circle"], "count": 3},
+            {"pattern": "line", "count": 3, "start": [0, 0], "goal": [1, 1]},
+        ]
+    )  # fmt: skip
+    tree["agents"].append({"id": f"p{rng.randrange(99)}", **entry})
+    if entry.get("count") == 9999:
+        tree["agents"].append({"id": "q", **entry})
+    return "agents"
+
+
 MUTATIONS: tuple[Mutation, ...] = (
     missing_key, unknown_key, other_kind, container_gone, bad_number, not_positive, list_length, ring,
     rectangle, stop_outside, overlap, times, pair, identifier, name, mesh, bases_of_the_map,
-    nothing_left, option,
+    nothing_left, option, table, pattern,
 )  # fmt: skip
 
 
