@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from types import FrameType
@@ -195,6 +196,7 @@ def _report(
     }
 
 
+@cache
 def versions() -> dict[str, str]:
     """Versions of this program and of what its results depend on."""
     names = ("stplan", "numpy", "scipy", "numba", "shapely", "trimesh")

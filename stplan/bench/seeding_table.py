@@ -18,6 +18,7 @@ _HEAD = (
     "success %",
     "median s",
     "worst s",
+    "median cpu s",
     "kinetic over straight, median",
     "found by",
 )
@@ -59,6 +60,7 @@ def _rows(measurements: Sequence[Measurement]) -> list[tuple[str, ...]]:
                 f"{100.0 * len(good) / len(ones):.0f}",
                 f"{np.median([one.seconds for one in ones]):.3f}",
                 f"{max(one.seconds for one in ones):.3f}",
+                f"{np.median([one.cpu_seconds for one in ones]):.3f}",
                 f"{np.median([one.kinetic_over_straight for one in good]):.3f}" if good else "-",
                 ", ".join(f"{finder} {count}" for finder, count in finders.most_common()) or "-",
             )

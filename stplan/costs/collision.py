@@ -21,6 +21,11 @@ from stplan.smooth_distance.clearance_barriers import (
 from stplan.smooth_distance.contacts import measure
 from stplan.smooth_distance.rod_neighbours import near_segments
 
+# Lists reach this much further than the structure: they cost less than what renewing them saves.
+LIST_SKIN = 1.5
+# Past this share of moved knots the list is made anew, which costs less than to mend it.
+MANY = 0.3
+
 
 class Collision(ContactTerm):
     """Barriers between the rods of every colliding pair.
@@ -56,6 +61,7 @@ class Collision(ContactTerm):
         self._reach = reach
         self._alpha_0 = alpha_0
         self._num_agents = len(reach)
+        self._finite = bool(np.isfinite(reach[interactions.collides]).all())
         self._alphas = np.full_like(reach, np.nan) if alphas is None else alphas
         self._weights = mu * interactions.collision_weight
         felt = reach[interactions.collides & np.isfinite(reach)]
@@ -65,7 +71,7 @@ class Collision(ContactTerm):
         super().__init__(
             num_knots=len(knots),
             axis_scale=np.array([1.0, 1.0, rods.time_scale]),
-            skin=chosen,
+            skin=LIST_SKIN * chosen,
             structure_skin=chosen,
             exact_coupling=exact and alpha_0 is not None,
         )
@@ -78,11 +84,9 @@ class Collision(ContactTerm):
     def find_contacts(self, knots: FloatArray, skin: float) -> ContactList:
         """Pairs of segments nearer than distance, reach and skin together."""
         positions = self.positions(knots)
-        pairs = self._near(positions, self._interactions.distance + self._reach + skin)
-        first, second = self._rods.agents[pairs[:, 0]], self._rods.agents[pairs[:, 1]]
-        points = np.hstack([self._rods.segments[pairs[:, 0]], self._rods.segments[pairs[:, 1]]])
-        contacts = ContactList.grouped(points, first * self._num_agents + second)
-        if self._alpha_0 is not None and len(points):
+        self._pairs = self._near(positions, skin)
+        contacts = self._contacts_of(self._pairs)
+        if self._alpha_0 is not None and len(contacts.points):
             pair = np.divmod(contacts.keys, self._num_agents)
             contacts = sharpened(
                 contacts, measure(positions, contacts.points).distance, skin,
@@ -90,13 +94,36 @@ class Collision(ContactTerm):
             )  # fmt: skip
         return contacts
 
-    def _near(self, positions: FloatArray, reach: FloatArray) -> IntArray:
-        rods = self._rods
-        if np.isfinite(reach[self._interactions.collides]).all():
-            return near_segments(
-                positions, rods.segments, rods.agents, self._interactions.collides, reach
-            )
-        return all_pairs(rods.agents, self._interactions.collides)
+    def renew_contacts(self, knots: FloatArray, moved: BoolArray) -> tuple[FloatArray, ContactList]:
+        """Only those around knots that have `moved`: mostly few slide far along their own rods.
+
+        Everybody stays within half a skin of the place that the list knows, so it misses nobody.
+        """
+        if self._alpha_0 is not None or not self._finite or moved.mean() > MANY:
+            return super().renew_contacts(knots, moved)
+        listed_at = np.where(moved[:, None], knots, self._listed_at)
+        # Ends of tails never move.
+        ends = np.append(moved, np.zeros(len(self._rods.tail_ends), dtype=bool))
+        touched: BoolArray = ends[self._rods.segments].max(axis=1)
+        kept = self._pairs[~touched[self._pairs].max(axis=1)]
+        found = self._near(self.positions(listed_at), self._skin, touched)
+        pairs = np.vstack([kept, found])
+        self._pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+        return listed_at, self._contacts_of(self._pairs)
+
+    def _near(self, positions: FloatArray, skin: float, asked: BoolArray | None = None) -> IntArray:
+        rods, interactions = self._rods, self._interactions
+        if not self._finite:
+            return all_pairs(rods.agents, interactions.collides)
+        reach = interactions.distance + self._reach + skin
+        return near_segments(
+            positions, rods.segments, rods.agents, interactions.collides, reach, asked
+        )
+
+    def _contacts_of(self, pairs: IntArray) -> ContactList:
+        first, second = self._rods.agents[pairs[:, 0]], self._rods.agents[pairs[:, 1]]
+        points = np.hstack([self._rods.segments[pairs[:, 0]], self._rods.segments[pairs[:, 1]]])
+        return ContactList.grouped(points, first * self._num_agents + second)
 
     @property
     def alphas(self) -> FloatArray:

@@ -1,7 +1,7 @@
 """What collision, wall and grouping share: contacts found by a broad phase, summed with derivatives.
 
 A subclass says where its points are, which contacts are near, and how distances become a cost. This
-base keeps the contact list up to date (rebuilt before anyone has moved half a skin, so the cost is exact
+base keeps the contact list up to date (renewed around whoever has moved half a skin, so the cost is exact
 at every iterate), chooses the sparsity structure once from a wider list, and scatters derivatives.
 """
 
@@ -81,13 +81,12 @@ class ContactTerm(Term):
         self._skin = skin
         self._structure_skin = structure_skin
         self._exact_coupling = exact_coupling
-        self._built_at = np.empty((0, 3))
+        self._listed_at = np.empty((0, 3))
         self._measured = Measured(np.empty(0), np.empty((0, 2)), np.empty((0, 3)), np.empty(0, int))
         self._coefficients = Coefficients(
             0.0, np.inf, np.empty(0), np.empty(0), np.empty(0), np.empty(0)
         )
         self._evaluated_at: FloatArray | None = None
-        self.rebuilds = 0
 
     # What a subclass provides.
 
@@ -98,6 +97,11 @@ class ContactTerm(Term):
     @abstractmethod
     def find_contacts(self, knots: FloatArray, skin: float) -> ContactList:
         """Every contact that may matter while no position moves by more than skin / 2."""
+
+    def renew_contacts(self, knots: FloatArray, moved: BoolArray) -> tuple[FloatArray, ContactList]:
+        """The list after some knots have `moved` (M,) too far, and the knots it is now good around."""
+        del moved
+        return knots.copy(), self.find_contacts(knots, self._skin)
 
     @abstractmethod
     def coefficients(self, distance: FloatArray, contacts: ContactList) -> Coefficients:
@@ -124,7 +128,10 @@ class ContactTerm(Term):
             self._blocks[:, 0], np.arange(self._num_knots + 1)
         ).astype(np.int64)
         self._coupled = self._coupling_layout(wide) if self._exact_coupling else {}
-        self._rebuild(knots)
+        self._listed_at = knots.copy()
+        if self._structure_skin != self._skin:
+            wide = self.find_contacts(knots, self._skin)
+        self._use(wide)
 
     def structure_blocks(self, wide: ContactList) -> IntArray:
         """(B, 2) pairs of knots (row >= column), unique, that get a block."""
@@ -137,22 +144,22 @@ class ContactTerm(Term):
 
     # Lists and evaluation.
 
-    def _rebuild(self, knots: FloatArray) -> None:
-        self._contacts = self.find_contacts(knots, self._skin)
-        self._built_at = knots.copy()
+    def _use(self, contacts: ContactList) -> None:
+        self._contacts = contacts
         self._places = _locate_blocks(
-            self._contacts.points, self._num_knots, self._row_starts,
+            contacts.points, self._num_knots, self._row_starts,
             np.ascontiguousarray(self._blocks[:, 1]), self._block_starts,
         )  # fmt: skip
         self._evaluated_at = None
-        self.rebuilds += 1
 
     def _evaluate(self, knots: FloatArray) -> tuple[Measured, Coefficients]:
         if self._evaluated_at is not None and np.array_equal(self._evaluated_at, knots):
             return self._measured, self._coefficients
-        moved = (knots - self._built_at) * self._axis_scale
-        if 4.0 * (moved**2).sum(axis=1).max() > self._skin**2:
-            self._rebuild(knots)
+        step = (knots - self._listed_at) * self._axis_scale
+        moved = 4.0 * (step**2).sum(axis=1) > self._skin**2
+        if moved.any():
+            self._listed_at, contacts = self.renew_contacts(knots, moved)
+            self._use(contacts)
         self._measured = measure(self.positions(knots), self._contacts.points)
         self._coefficients = self.coefficients(self._measured.distance, self._contacts)
         if not self.feasible(knots):

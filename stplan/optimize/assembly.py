@@ -103,7 +103,9 @@ class Assembly:
         self._pair_alphas: FloatArray | None = None
         self._wall_alphas: FloatArray | None = None
 
-    def problem(self, knots: FloatArray, mu: float, watch: Stopwatch) -> Problem:
+    def problem(
+        self, knots: FloatArray, mu: float, watch: Stopwatch, damping: float = 0.0
+    ) -> Problem:
         """The program at barrier weight `mu`, its structure made around feasible `knots` (M, 3)."""
         setting = self._setting
         exact = setting.scene.solver.hessian == "exact"
@@ -112,7 +114,15 @@ class Assembly:
             *self.interaction_terms(knots, mu),
             *self.limit_terms(Barrier(mu)),
         ]
-        return Problem(setting.layout, terms, setting.limits, exact, watch)
+        return Problem(setting.layout, terms, setting.limits, exact, watch, self.stiffness, damping)
+
+    @property
+    def stiffness(self) -> FloatArray:
+        """(3 M,) kinetic second derivatives of every variable in order of size, for damping."""
+        setting = self._setting
+        axes = np.array([1.0, 1.0, setting.scene.time_scale**2])
+        own = setting.scales.stiffness[setting.layout.agent_of_knot]
+        return (own[:, None] * axes).ravel()
 
     def own_terms(self) -> list[Term]:
         """The costs of single agents."""

@@ -218,11 +218,12 @@ class _Loop:
         multipliers: Multipliers | None = None
         ipopt_mu: float | None = None
         used = rebuilds = 0
+        damping = 0.0
         before: float | None = None
         patience = AT_THE_END if outer == solver.outer_iterations - 1 else ON_THE_WAY
         stop = _Stop(self._setting.scene, self._floor, patience, self._interrupted)
         while True:
-            problem = self._assembly.problem(self._knots, mu, self._watch)
+            problem = self._assembly.problem(self._knots, mu, self._watch, damping)
             self._nonzeros = max(self._nonzeros, len(problem.hessian_rows))
             if before is None:
                 before = problem.value(self._knots.ravel())
@@ -231,6 +232,7 @@ class _Loop:
             self._knots = outcome.knots
             used += outcome.iterations
             left = solver.max_iterations - used
+            damping = problem.damping
             if stop.why != "stale" or left <= 0:
                 break
             multipliers = outcome.multipliers

@@ -140,11 +140,11 @@ class _Callbacks:
             x = np.array(current["x"])
             if np.isfinite(self._problem.value(x)):
                 self.accepted = x
-                self._problem.accept(x)
+                self._problem.accept(x, alpha_pr if iter_count else 1.0)
         self.iterations = iter_count
         self.ipopt_mu = mu
         knots = self.accepted.reshape(-1, 3)
-        damped = regularization_size > 0
+        damped = regularization_size > 0 or self._problem.damping > 0
         return not self._stop(Iteration(iter_count, obj_value, inf_du, d_norm, mu, damped, knots))
 
 

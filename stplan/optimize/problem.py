@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.compiled import kernel
 from stplan.costs.contact_term import ContactTerm
 from stplan.costs.limit import Limit
 from stplan.costs.term import Term
@@ -23,6 +24,10 @@ from stplan.world_lines import KnotLayout
 
 # A step keeps at least this share of the smallest clearance.
 CLEARANCE_KEPT = 0.2
+# Shares of the full step below which damping grows, and above which it falls; by which factors.
+SHORT_STEP, LONG_STEP = 0.3, 0.7
+HARDER, SOFTER = 10.0, 0.5
+LEAST_DAMPING = 0.1
 
 
 @dataclass(frozen=True)
@@ -63,6 +68,8 @@ class Problem:
         terms: what is summed.
         limits: bounds and least durations.
         exact: use every term's exact Hessian instead of its Gauss-Newton one.
+        stiffness: (3 M,) what damping adds to the diagonal of the Gauss-Newton Hessian, by variable.
+        damping: factor on it at the start.
     """
 
     layout: KnotLayout
@@ -70,15 +77,17 @@ class Problem:
     limits: Limits
     exact: bool = False
     watch: Stopwatch = field(default_factory=Stopwatch)
+    stiffness: FloatArray | None = None
+    damping: float = 0.0
 
     def __post_init__(self) -> None:
         structures = [term.hessian_structure() for term in self.terms]
         rows = np.concatenate([rows for rows, _ in structures])
         columns = np.concatenate([columns for _, columns in structures])
-        codes = rows * self.num_variables + columns
-        unique, self._place = np.unique(codes, return_inverse=True)
-        self.hessian_rows = unique // self.num_variables
-        self.hessian_columns = unique % self.num_variables
+        self.hessian_rows, self.hessian_columns, self._place = _merged(
+            rows, columns, self.num_variables
+        )
+        self._diagonal = np.flatnonzero(self.hessian_rows == self.hessian_columns)
         self._key: bytes | None = None
         self._value = np.inf
         self._gradient: FloatArray | None = None
@@ -95,12 +104,18 @@ class Problem:
         self._evaluate(x)
         return self._value
 
-    def accept(self, x: FloatArray) -> None:
-        """Take `x` as the iterate to step from: no step may use up nearly all its clearance.
+    def accept(self, x: FloatArray, share: float = 1.0) -> None:
+        """Take `x` as the iterate to step from, reached by a `share` of the full step.
 
-        Without this fraction-to-the-boundary rule a long step can land a hair's breadth from contact,
-        where the barrier is too steep to ever leave again.
+        No step from it may use up nearly all its clearance: without this fraction-to-the-boundary rule
+        a long step can land a hair's breadth from contact, where the barrier is too steep to ever leave
+        again. After short steps the Hessian is damped, as Levenberg and Marquardt do: it knows nothing of
+        how distances bend, and undamped its steps along contacts are far longer than it holds true.
         """
+        if share < SHORT_STEP:
+            self.damping = max(HARDER * self.damping, LEAST_DAMPING)
+        elif share > LONG_STEP:
+            self.damping = SOFTER * self.damping if self.damping > LEAST_DAMPING else 0.0
         knots = x.reshape(-1, 3)
         least = self._least_clearance(knots)
         self._floor = CLEARANCE_KEPT * least if np.isfinite(least) else 0.0
@@ -170,7 +185,10 @@ class Problem:
                 for term in self.terms
             ]
         )
-        summed: FloatArray = np.bincount(self._place, values, len(self.hessian_rows)).astype(float)
+        summed = _summed(values, self._place, len(self.hessian_rows))
+        if self.damping and self.stiffness is not None and not self.exact:
+            variables = self.hessian_rows[self._diagonal]
+            summed[self._diagonal] += self.damping * self.stiffness[variables]
         self.watch.hessian += time.perf_counter() - started
         self.watch.hessians += 1
         return summed
@@ -206,3 +224,41 @@ class Problem:
             if missing is not None and missing.any():
                 return True
         return False
+
+
+@kernel
+def _merged(rows: IntArray, columns: IntArray, size: int) -> tuple[IntArray, IntArray, IntArray]:
+    """Distinct entries, row by row with increasing columns, and the place of every given one."""
+    starts = np.zeros(size + 1, dtype=np.int64)
+    for row in rows:
+        starts[row + 1] += 1
+    for row in range(size):
+        starts[row + 1] += starts[row]
+    sequence = np.empty(len(rows), dtype=np.int64)
+    filled = starts[:-1].copy()
+    for k in range(len(rows)):
+        sequence[filled[rows[k]]] = k
+        filled[rows[k]] += 1
+    places = np.empty(len(rows), dtype=np.int64)
+    entries = np.empty((len(rows), 2), dtype=np.int64)
+    count = 0
+    for row in range(size):
+        own = sequence[starts[row] : starts[row + 1]]
+        before = -1
+        for k in own[np.argsort(columns[own])]:
+            if columns[k] != before:
+                before = columns[k]
+                entries[count, 0] = row
+                entries[count, 1] = before
+                count += 1
+            places[k] = count - 1
+    return entries[:count, 0].copy(), entries[:count, 1].copy(), places
+
+
+@kernel
+def _summed(values: FloatArray, places: IntArray, count: int) -> FloatArray:
+    """(count,) sums of the values that go to the same place."""
+    total = np.zeros(count)
+    for k in range(len(values)):
+        total[places[k]] += values[k]
+    return total

@@ -21,6 +21,8 @@ from stplan.world_lines import KnotLayout
 MU_SHARE = 1e-3
 # K^R n over the agent's kinetic cost.
 REGULARITY_SHARE = 1e-2
+# Agents that mind their kinetic cost less than this are as stiff as if they minded it so much.
+LEAST_WEIGHT = 1e-3
 # Barrier range over the distance R_ab of a pair, and over the radius at walls.
 RANGE_SHARE = 0.25
 
@@ -33,6 +35,8 @@ class Scales:
         energy: E, mean kinetic cost per agent, the unit of the objective.
         mu: barrier weight of the first outer iteration.
         regularity: (A,) K^R.
+        stiffness: (A,) mass over the mean duration of a segment, kg/s: the scale of kinetic second
+            derivatives.
         pair_reach: (A, A) m, clearance at which repulsion starts.
         wall_reach: (A,) m.
     """
@@ -40,6 +44,7 @@ class Scales:
     energy: float
     mu: float
     regularity: FloatArray
+    stiffness: FloatArray
     pair_reach: FloatArray
     wall_reach: FloatArray
 
@@ -63,12 +68,14 @@ def derive_scales(
             for a, agent in enumerate(scene.agents)
         ]
     )
+    durations = knots[layout.last, 2] - knots[layout.first, 2]
     radii = np.array([agent.radius for agent in scene.agents])
     given = scene.solver.barrier_range
     return Scales(
         energy=energy,
         mu=MU_SHARE * energy if scene.solver.mu is None else scene.solver.mu,
         regularity=regularity,
+        stiffness=np.maximum(weights, LEAST_WEIGHT) * masses * layout.num_segments / durations,
         pair_reach=RANGE_SHARE * interactions.distance
         if given is None
         else np.full_like(interactions.distance, given),

@@ -20,7 +20,7 @@ from stplan.optimize.appointments import visit_knots
 from stplan.optimize.assembly import Assembly, Setting
 from stplan.optimize.continuation import build_setting
 from stplan.optimize.ipopt import Iteration, solve
-from stplan.optimize.problem import Problem, Stopwatch
+from stplan.optimize.problem import Problem
 from stplan.scene.interactions import scene_meetings
 from stplan.scene.model import Agent, Scene
 from stplan.seeding.meeting_places import MeetingPlace
@@ -127,7 +127,7 @@ class _Rounds:
         # A time that is off by a mean duration weighs like a limit exceeded by its whole.
         unit = (self._inset / INSET) ** 2
         terms.append(self._timing(weight * scales.energy / unit, self._inset, 0.0))
-        problem = Problem(setting.layout, terms, setting.limits, False, Stopwatch())
+        problem = Problem(setting.layout, terms, setting.limits, stiffness=self._assembly.stiffness)
         outcome = solve(
             problem,
             self.knots,

@@ -8,23 +8,22 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-import shapely
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.seeding.layered import LayeredPlanner, exact_points
 from stplan.seeding.rod_kernels import rod_distance
 from stplan.seeding.rods import RodProblem
+from stplan.seeding.shortest_length import ShortestLengths
 from stplan.smooth_distance.segments import closest_parameters
+from stplan.world import cut_off_agents, widest_passage
 
 if TYPE_CHECKING:
     from stplan.world import FreeSpace
 
 Kind = Literal[
-    "start", "goal", "not connected", "roadmap", "layers", "order", "blocked", "touching"
+    "start", "goal", "not connected", "late", "roadmap", "layers", "order", "blocked", "touching"
 ]
 
-# Erosion uses slightly less than the radius, so that rounded corners never prove too much.
-EROSION = 1.0 - 1e-3
 # So many touching pairs are described.
 MOST_PAIRS = 5
 
@@ -51,42 +50,63 @@ class Reason:
 
 
 def hopeless(problem: RodProblem, free_space: FreeSpace | None) -> tuple[Reason, ...]:
-    """Proven reasons: ends that touch, goals that are not connected to starts."""
+    """Proven reasons: ends that touch, goals that cannot be reached, or not in time."""
     reasons = [*_touching_ends(problem)]
     for agent in not_connected(problem, free_space, problem.radii):
-        radius = float(problem.radii[agent])
-        sentence = (
-            f"{problem.agent_ids[agent]} cannot get from start to goal through its waypoints: "
-            f"no way keeps its radius of {radius:g} m from the walls"
-        )
         place = (float(problem.starts[agent, 0]), float(problem.starts[agent, 1]))
+        sentence = _too_narrow(problem, agent, free_space)
         reasons.append(Reason("not connected", (agent,), True, sentence, place))
+    if not reasons:
+        reasons = _too_slow(problem, free_space)
     return tuple(reasons)
+
+
+def _too_slow(problem: RodProblem, free_space: FreeSpace | None) -> list[Reason]:
+    """Agents whose shortest way takes longer at their speed limit than they have."""
+    reasons = []
+    lengths: dict[float, ShortestLengths] = {}
+    for agent in np.flatnonzero(np.isfinite(problem.max_speeds) & ~problem.fixed):
+        radius = float(problem.radii[agent]) if problem.heeds_walls[agent] else np.inf
+        if radius not in lengths:
+            space = free_space if problem.heeds_walls[agent] else None
+            lengths[radius] = ShortestLengths(space, radius)
+        stops = exact_points(problem)[agent]
+        length, speed = lengths[radius].through(stops), float(problem.max_speeds[agent])
+        given = float(problem.max_times[agent] - problem.start_times[agent])
+        if length > speed * given * (1.0 + 1e-9):
+            sentence = (
+                f"{problem.agent_ids[agent]}: its shortest way is at least {length:.4g} m long and "
+                f"takes {length / speed:.4g} s at its speed limit of {speed:g} m/s, but it has "
+                f"{given:g} s"
+            )
+            place = (float(stops[0, 0]), float(stops[0, 1]))
+            reasons.append(Reason("late", (int(agent),), True, sentence, place))
+    return reasons
 
 
 def not_connected(
     problem: RodProblem, free_space: FreeSpace | None, radii: FloatArray
 ) -> list[int]:
     """Agents whose stops lie in different parts of the free space eroded by `radii` (A,)."""
-    if free_space is None:
-        return []
-    parts: dict[float, FloatArray] = {}
-    found = []
-    for agent, stops in enumerate(exact_points(problem)):
-        if len(stops) == 0 or not problem.heeds_walls[agent]:
-            continue
-        radius = float(radii[agent]) * EROSION
-        if radius not in parts:
-            parts[radius] = np.asarray(shapely.get_parts(free_space.polygon.buffer(-radius)))
-        if not _in_one_part(parts[radius], stops, 0.01 * radius):
-            found.append(agent)
-    return found
+    stops = [
+        points if heeds else points[:0]
+        for points, heeds in zip(exact_points(problem), problem.heeds_walls, strict=True)
+    ]
+    return cut_off_agents(free_space, stops, radii)
 
 
-def _in_one_part(parts: FloatArray, stops: FloatArray, tolerance: float) -> bool:
-    """Whether one of `parts` holds all `stops` (n, 2)."""
-    points = shapely.points(stops)
-    return any(bool((shapely.distance(part, points) <= tolerance).all()) for part in parts)
+def _too_narrow(problem: RodProblem, agent: int, free_space: FreeSpace | None) -> str:
+    """By how much the widest passage between the stops of an agent is too narrow for it."""
+    name, radius = problem.agent_ids[agent], float(problem.radii[agent])
+    stops = exact_points(problem)[agent]
+    between = "its start, waypoints and goal" if len(stops) > 2 else "its start and goal"
+    widest = 0.0 if free_space is None else widest_passage(free_space, stops, radius)
+    if widest == 0.0:
+        return f"{name}: {between} lie in separate parts of the map"
+    return (
+        f"{name}: no way connects {between} at its radius; the widest lets a radius of "
+        f"{widest:.3g} m through, the agent's is {radius:g} m"
+    )
 
 
 def _touching_ends(problem: RodProblem) -> list[Reason]:

@@ -86,7 +86,7 @@ def _in_orders(
     bumps = 0
     max_orders = 2 * len(order) + 4
     for attempt in range(max_orders):
-        curves, failed = _sequential(planner, order, cost)
+        curves, failed = _sequential(planner, order, cost, stopped)
         if curves is not None:
             return curves, attempt + 1, failures
         failures[failed] += 1
@@ -103,13 +103,13 @@ def _in_orders(
 
 
 def _sequential(
-    planner: LayeredPlanner, order: list[int], cost: FloatArray
+    planner: LayeredPlanner, order: list[int], cost: FloatArray, stopped: Callable[[], bool]
 ) -> tuple[list[FloatArray] | None, int]:
     """Curves of all agents planned in `order` and -1, or None and the agent without a way."""
     planner.reset()
     curves = [path if path is not None else np.empty((0, 3)) for path in planner.problem.paths]
     for agent in order:
-        path = planner.cheapest_path(agent, cost, HARD)
+        path = None if stopped() else planner.cheapest_path(agent, cost, HARD)
         if path is None:
             return None, agent
         curves[agent] = planner.curve(agent, path)

@@ -46,7 +46,12 @@ def even_knots(
                 and (reaches[j] <= leaves[i] or segment_clear(field, agent, points[i], points[j]))
             ):
                 reached[j] = True
-                for k in range(num_knots - 1):
+                # Numbers of knots that durations allow before and after candidate i.
+                early = (points[i, 2] - points[0, 2]) / mean
+                late = (points[count - 1, 2] - points[i, 2]) / mean
+                least = max(early / longest, num_knots - 1 - late / shortest)
+                most = min(early / shortest, num_knots - 1 - late / longest)
+                for k in range(max(int(least) - 1, 0), min(int(most) + 2, num_knots - 1)):
                     total = cost[i, k] + (duration - 1.0) ** 2
                     if total < cost[j, k + 1]:
                         cost[j, k + 1] = total

@@ -7,7 +7,7 @@ the curves get knots of even durations: very uneven ones would stall the optimis
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -24,6 +24,9 @@ MOST_KNOTS = 100
 KNOTS_PER_BEND = 2
 # Durations allowed, as parts of the mean: evened out as far as the bends permit.
 EVENNESS = ((0.5, 2.0), (0.42, 2.5), (0.3, 3.0), (0.15, 5.0), (0.05, 10.0))
+# Rounds of polish at most, each one as long as the last lowered the kinetic cost by this part.
+MOST_ROUNDS = 8
+WORTHWHILE = 0.005
 # Random shortcuts tried for every agent in every round; more only leave more knots behind.
 TRIES = 20
 # Evening out may use up this part of the clearance over R: on a curve pulled taut against its
@@ -37,20 +40,22 @@ def prepare_seed(
     num_knots: int | None = None,
     margin: float = 1.05,
     rng_seed: int = 0,
+    check: Callable[[], None] = lambda: None,
 ) -> list[FloatArray]:
     """`curves` polished and evened out, with `num_knots` knots an agent (None follows the bends).
 
     The curves have to be clear. They are polished up to `held_requirement` of the margin, and
     `SLACK` of what that asks over R may go into evening out. Given paths stay as they are. A curve
-    may keep more knots than asked for where its bends cannot be had with fewer.
+    may keep more knots than asked for where its bends cannot be had with fewer. `check` is called
+    now and then; what it raises ends the work.
     """
     required = held_requirement(problem, curves, margin)
-    polished = polish(problem, curves, required=required, rng_seed=rng_seed)
+    polished = polish(problem, curves, required=required, rng_seed=rng_seed, check=check)
     eased = Requirement(
         problem.distance + (1.0 - SLACK) * (required.rods - problem.distance),
         problem.radii + (1.0 - SLACK) * (required.walls - problem.radii),
     )
-    evened = even_out(problem, polished, num_knots, required=eased)
+    evened = even_out(problem, polished, num_knots, required=eased, check=check)
     if not verify(problem, evened, eased):
         return evened
     # Only rounding could bring us here; the curves as they came are still clear.
@@ -63,8 +68,9 @@ def polish(
     *,
     margin: float = 1.05,
     rng_seed: int = 0,
-    rounds: int = 3,
+    rounds: int = MOST_ROUNDS,
     required: Requirement | None = None,
+    check: Callable[[], None] = lambda: None,
 ) -> list[FloatArray]:
     """Cheaper curves than the clear `curves`, with few knots and as clear as they have to be.
 
@@ -74,7 +80,9 @@ def polish(
     rng = np.random.default_rng(rng_seed)
     current = stretch(problem, curves, kept)
     movable = np.flatnonzero(~problem.fixed)
+    cost = kinetic_cost(problem, current)
     for turn in range(rounds):
+        check()
         field = build_field(problem, current, kept)
         polish_round(
             field,
@@ -83,7 +91,19 @@ def polish(
             problem.time_scale * problem.preferred_times,
         )
         current = [field.curve(problem, agent) for agent in range(problem.num_agents)]
+        before, cost = cost, kinetic_cost(problem, current)
+        if before - cost <= WORTHWHILE * before:
+            break
     return current
+
+
+def kinetic_cost(problem: RodProblem, curves: Sequence[FloatArray]) -> float:
+    """Sum over agents and segments of 1/2 m |dx|^2 / dt, J."""
+    total = 0.0
+    for mass, curve in zip(problem.masses.tolist(), curves, strict=True):
+        step = np.diff(curve, axis=0)
+        total += 0.5 * mass * float(((step[:, :2] ** 2).sum(axis=1) / step[:, 2]).sum())
+    return total
 
 
 def stretch(
@@ -143,6 +163,7 @@ def even_out(
     *,
     margin: float = 1.05,
     required: Requirement | None = None,
+    check: Callable[[], None] = lambda: None,
 ) -> list[FloatArray]:
     """Clear curves with exactly `num_knots` knots of about equal durations, still clear.
 
@@ -154,6 +175,7 @@ def even_out(
     field = build_field(problem, curves, kept, room=max(wanted))
     result = []
     for agent, path in enumerate(problem.paths):
+        check()
         evened = path is None and any(
             even_knots(field, agent, wanted[agent], shortest, longest)
             for shortest, longest in EVENNESS

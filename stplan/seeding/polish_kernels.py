@@ -14,7 +14,7 @@ from stplan.compiled import kernel
 from stplan.seeding.rod_field import RodField, enter, segment_clear
 
 # The greedy shortcut gives up on a knot after so many blocked chords in a row.
-LOOK_AHEAD = 8
+LOOK_AHEAD = 4
 # A knot moved in time keeps at least this part of its neighbours' span on either side.
 LEAST_PART = 0.02
 # Shortcuts span up to this part of a curve's duration.

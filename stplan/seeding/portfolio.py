@@ -2,39 +2,54 @@
 
 In the open, relaxation: straight rods pushed apart, no search. In tight spaces, search on a roadmap.
 `method: auto` starts with relaxation where every agent's straight way is clear of the walls and with
-search elsewhere; `method: dijkstra` is the paper's own. Whatever found them, curves are polished,
-given their knots, and proven clear.
+search elsewhere; pairs that relaxation leaves touching are repaired by search, and what search found is
+relaxed, because it queues more than it has to. `method: dijkstra` is the paper's own. Whatever found
+them, curves are polished, given their knots, and proven clear.
+
+All parts share one time limit. Efforts are counted, so it never decides which curves are found, only
+whether any are.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from stplan.arrays import FloatArray
 from stplan.errors import SeedingError
-from stplan.scene.model import Scene
+from stplan.scene.model import Scene, SeedingSettings
 from stplan.seeding.diagnosis import hopeless
 from stplan.seeding.dijkstra import dijkstra_curves
 from stplan.seeding.geodesic import geodesic_curves
 from stplan.seeding.meeting_places import MeetingPlace, with_meeting_places
 from stplan.seeding.polish import prepare_seed
-from stplan.seeding.relaxation import relax
+from stplan.seeding.relaxation import RelaxationResult, relax
 from stplan.seeding.rods import RodProblem, verify, wall_clearance
-from stplan.seeding.search import search_curves
-from stplan.world import FreeSpace, build_seeding_mesh, disconnected_agents
+from stplan.seeding.search import (
+    MOST_EFFORT,
+    SOON_EFFORT,
+    SearchResult,
+    repair_curves,
+    search_curves,
+)
+from stplan.seeding.smoothing import smooth_curves
+from stplan.world import FreeSpace, build_seeding_mesh
 from stplan.world_lines import WorldLines
 
 Progress = Callable[[str], None]
 
 # Knots of a string while it relaxes.
 RELAXATION_KNOTS = 40
-# Sweeps before search takes over, where it may.
-PATIENT_SWEEPS = 400
-MOST_SWEEPS = 4000
+# Sweeps before search takes over: in tight places soon, in the open late.
+TIGHT_SWEEPS, OPEN_SWEEPS, MOST_SWEEPS = 400, 1500, 4000
+# Search repairs what relaxation left where no more than this part of the agents touch, or so many pairs.
+REPAIRED_PART, REPAIRED_PAIRS = 0.1, 4
+# Polish may take this part of the time limit over it.
+POLISH_TIME = 0.1
 
 
 @dataclass(frozen=True)
@@ -54,13 +69,99 @@ class Seed:
 
 
 @dataclass
-class _Attempts:
-    """What has been tried so far."""
+class _Portfolio:
+    """The parts with what they share, and what has been tried so far."""
 
+    scene: Scene
+    problem: RodProblem
+    free_space: FreeSpace | None
+    progress: Progress
+    deadline: float
     curves: list[FloatArray] | None = None
     found_by: str = ""
     record: dict[str, Any] = field(default_factory=dict)
     reasons: list[str] = field(default_factory=list)
+
+    def settings(self) -> SeedingSettings:
+        """The scene's settings with the time that is left."""
+        left = max(self.deadline - time.perf_counter(), 0.0)
+        return replace(self.scene.seeding, time_limit=left)
+
+    def relax(self, max_sweeps: int) -> None:
+        """Relaxation; where few pairs are left touching, search repairs them."""
+        settings = self.settings()
+        ways = None
+        if not _straight_ways_are_clear(self.problem):
+            found = geodesic_curves(self.problem, self.free_space)
+            ways = [way for way in found if way is not None]
+            if len(ways) < len(found):
+                self.reasons.append("relaxation needs a way along the walls for every agent")
+                return
+        self.progress("seeding by relaxation")
+        result = relax(
+            self.problem,
+            ways,
+            num_knots=self.scene.solver.knots or RELAXATION_KNOTS,
+            margin=settings.margin,
+            time_limit=settings.time_limit,
+            rng_seed=settings.rng_seed,
+            max_sweeps=max_sweeps,
+        )
+        self.record = {"sweeps": result.sweeps, "retensions": result.retensions}
+        if result.solved:
+            self.curves, self.found_by = result.curves, "relaxation"
+            return
+        self.reasons.append(_left_touching(self.problem, result.stuck))
+        if settings.method == "auto":
+            self._repair(result)
+
+    def _repair(self, result: RelaxationResult) -> None:
+        """Search for other curves where a relaxation is stuck, if that is in few places."""
+        touching = {agent for pair in result.stuck for agent in pair}
+        few = len(result.stuck) <= REPAIRED_PAIRS
+        few = few or len(touching) <= REPAIRED_PART * self.problem.num_agents
+        if not few or not result.stuck or self.settings().time_limit <= 0.0:
+            return
+        self.progress("repairing by search")
+        mended = repair_curves(
+            self.problem, self.free_space, result.curves,
+            settings=self.settings(), progress=self.progress,
+        )  # fmt: skip
+        if mended.curves is not None:
+            self.curves, self.found_by = mended.curves, "relaxation, repaired"
+            self.record |= {"margin": mended.margin, "tries": mended.tries}
+
+    def search(self, least_effort: int, most_effort: int) -> None:
+        """Search on a roadmap, its stages of some efforts."""
+        settings = self.settings()
+        if settings.time_limit <= 0.0:
+            return
+        result = search_curves(
+            self.problem, self.free_space, settings=settings, progress=self.progress,
+            efforts=(least_effort, most_effort),
+        )  # fmt: skip
+        self._take(result, f"search ({result.part})")
+
+    def dijkstra(self) -> None:
+        """The paper's sequential search on the seeding mesh."""
+        mesh = build_seeding_mesh(self.scene, self.free_space)
+        result = dijkstra_curves(
+            self.problem, self.free_space, mesh, settings=self.settings(), progress=self.progress
+        )
+        self._take(result, "dijkstra")
+
+    def _take(self, result: SearchResult, name: str) -> None:
+        if result.curves is not None:
+            self.curves, self.found_by = result.curves, name
+            self.record = {"margin": result.margin, "tries": result.tries}
+            return
+        for reason in result.diagnosis:
+            proof = "proven" if reason.proven else "not found within the limit"
+            self.reasons.append(f"{reason.sentence} ({proof})")
+
+    def timed_out(self) -> bool:
+        """Whether the time limit has struck."""
+        return time.perf_counter() > self.deadline
 
 
 def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress) -> Seed:
@@ -69,50 +170,83 @@ def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress)
     Raises:
         SeedingError: none were found; the message says whom it concerns, and whether that is proven.
     """
+    limit = scene.seeding.time_limit
+    deadline = time.perf_counter() + limit
     problem = RodProblem.from_scene(scene, free_space)
     problem, meetings = with_meeting_places(problem, scene, free_space)
-    attempts = _Attempts()
-    _refuse_hopeless(scene, problem, free_space)
-    for part in _parts(scene, problem):
-        if part == "relaxation":
-            _relax(scene, problem, free_space, attempts, progress)
-        else:
-            _search(scene, problem, free_space, attempts, progress)
-        if attempts.curves is not None:
+    sentences = [reason.sentence for reason in hopeless(problem, free_space)]
+    if sentences:
+        raise SeedingError("no collision-free curves exist: " + "\n  ".join(sentences))
+    portfolio = _Portfolio(scene, problem, free_space, progress, deadline)
+    for part in _parts(portfolio):
+        part()
+        if portfolio.curves is not None or portfolio.timed_out():
             break
-    if attempts.curves is None:
-        raise SeedingError("no collision-free initial curves: " + "\n  ".join(attempts.reasons))
-    curves = prepare_seed(
-        problem,
-        attempts.curves,
-        scene.solver.knots,
-        scene.seeding.margin,
-        scene.seeding.rng_seed,
-    )
+    if portfolio.curves is None:
+        reasons = list(dict.fromkeys(portfolio.reasons))
+        if portfolio.timed_out() or not reasons:
+            reasons.append(f"not found within {limit:g} s; raise seeding.time_limit to go on")
+        raise SeedingError("no collision-free initial curves: " + "\n  ".join(reasons))
+    curves = _prepared(portfolio, deadline + POLISH_TIME * limit)
     faults = verify(problem, curves)
     if faults:
         raise SeedingError("initial curves are not clear: " + "; ".join(faults))
-    progress(f"seed found by {attempts.found_by}")
+    progress(f"seed found by {portfolio.found_by}")
     lines = WorldLines.from_curves(problem.agent_ids, curves)
-    return Seed(lines, attempts.found_by, attempts.record, meetings)
+    return Seed(lines, portfolio.found_by, portfolio.record, meetings)
 
 
-def _refuse_hopeless(scene: Scene, problem: RodProblem, free_space: FreeSpace | None) -> None:
-    """Raise where it is proven that no clear curves exist: no search could help."""
-    sentences = [sentence for _, sentence in disconnected_agents(scene, free_space)]
-    sentences = sentences or [reason.sentence for reason in hopeless(problem, free_space)]
-    if sentences:
-        raise SeedingError("no collision-free curves exist: " + "\n  ".join(sentences))
+def _prepared(portfolio: _Portfolio, deadline: float) -> list[FloatArray]:
+    """The curves that were found, relaxed on where search found them, polished and evened out.
+
+    Raises:
+        SeedingError: that was not done by the `deadline`.
+    """
+    scene, problem = portfolio.scene, portfolio.problem
+
+    def check() -> None:
+        if time.perf_counter() > deadline:
+            raise SeedingError(
+                f"clear initial curves were found by {portfolio.found_by}, but not polished within "
+                f"{scene.seeding.time_limit:g} s; raise seeding.time_limit to go on"
+            )
+
+    curves: Sequence[FloatArray] = portfolio.curves or []
+    settings = scene.seeding
+    if settings.method != "dijkstra" and portfolio.found_by != "relaxation":
+        curves = smooth_curves(
+            problem, curves, margin=settings.margin, rng_seed=settings.rng_seed, check=check
+        )
+    return prepare_seed(
+        problem, curves, scene.solver.knots, settings.margin, settings.rng_seed, check
+    )
 
 
-def _parts(scene: Scene, problem: RodProblem) -> list[str]:
+def _parts(portfolio: _Portfolio) -> list[Callable[[], None]]:
     """Parts of the portfolio in the order they are tried."""
-    method = scene.seeding.method
-    if method != "auto":
-        return [method]
-    if _straight_ways_are_clear(problem):
-        return ["relaxation", "search"]
-    return ["search", "relaxation"]
+    method = portfolio.scene.seeding.method
+    if method == "dijkstra":
+        return [portfolio.dijkstra]
+    if method == "relaxation":
+        return [lambda: portfolio.relax(MOST_SWEEPS)]
+    if method == "search":
+        return [lambda: portfolio.search(SOON_EFFORT, MOST_EFFORT)]
+    if _straight_ways_are_clear(portfolio.problem):
+        return [
+            lambda: portfolio.relax(OPEN_SWEEPS),
+            lambda: portfolio.search(SOON_EFFORT, MOST_EFFORT),
+        ]
+    return [
+        lambda: portfolio.search(SOON_EFFORT, SOON_EFFORT),
+        lambda: portfolio.relax(TIGHT_SWEEPS),
+        lambda: portfolio.search(SOON_EFFORT + 1, MOST_EFFORT),
+    ]
+
+
+def _left_touching(problem: RodProblem, stuck: Sequence[tuple[int, int]]) -> str:
+    """What relaxation could not part."""
+    names = ", ".join(f"{problem.agent_ids[a]} and {problem.agent_ids[b]}" for a, b in stuck[:5])
+    return f"relaxation left {len(stuck)} pairs touching: {names}"
 
 
 def _straight_ways_are_clear(problem: RodProblem) -> bool:
@@ -123,68 +257,3 @@ def _straight_ways_are_clear(problem: RodProblem) -> bool:
         if wall_clearance(problem, agent, way) <= problem.radii[agent]:
             return False
     return True
-
-
-def _relax(
-    scene: Scene,
-    problem: RodProblem,
-    free_space: FreeSpace | None,
-    attempts: _Attempts,
-    progress: Progress,
-) -> None:
-    settings = scene.seeding
-    ways = None
-    if not _straight_ways_are_clear(problem):
-        found = geodesic_curves(problem, free_space)
-        ways = [way for way in found if way is not None]
-        if len(ways) < len(found):
-            attempts.reasons.append("relaxation needs a way along the walls for every agent")
-            return
-    progress("seeding by relaxation")
-    result = relax(
-        problem,
-        ways,
-        num_knots=scene.solver.knots or RELAXATION_KNOTS,
-        margin=settings.margin,
-        time_limit=settings.time_limit,
-        rng_seed=settings.rng_seed,
-        max_sweeps=PATIENT_SWEEPS if settings.method == "auto" else MOST_SWEEPS,
-    )
-    if result.solved:
-        attempts.curves = result.curves
-        attempts.found_by = "relaxation"
-        attempts.record = {"sweeps": result.sweeps, "retensions": result.retensions}
-        return
-    names = ", ".join(
-        f"{problem.agent_ids[a]} and {problem.agent_ids[b]}" for a, b in result.stuck[:5]
-    )
-    attempts.reasons.append(f"relaxation left {len(result.stuck)} pairs touching: {names}")
-
-
-def _search(
-    scene: Scene,
-    problem: RodProblem,
-    free_space: FreeSpace | None,
-    attempts: _Attempts,
-    progress: Progress,
-) -> None:
-    settings = scene.seeding
-    if settings.method == "dijkstra":
-        mesh = build_seeding_mesh(scene, free_space)
-        result = dijkstra_curves(problem, free_space, mesh, settings=settings, progress=progress)
-    else:
-        result = search_curves(problem, free_space, settings=settings, progress=progress)
-    if result.curves is not None:
-        attempts.curves = result.curves
-        attempts.found_by = (
-            "dijkstra" if settings.method == "dijkstra" else f"search ({result.part})"
-        )
-        attempts.record = {"margin": result.margin, "tries": result.tries}
-        return
-    for reason in result.diagnosis:
-        proof = "proven" if reason.proven else "not found within the limit"
-        attempts.reasons.append(f"{reason.sentence} ({proof})")
-    if not result.diagnosis:
-        attempts.reasons.append(
-            f"not found within {scene.seeding.time_limit:g} s; raise seeding.time_limit to go on"
-        )

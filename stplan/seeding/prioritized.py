@@ -39,10 +39,11 @@ def plan_in_order(
     order: Sequence[int],
     holds: IntArray,
     guard_layers: int = GUARD_LAYERS,
+    stopped: Callable[[], bool] = lambda: False,
 ) -> tuple[list[FloatArray] | None, int]:
     """Curves of all agents planned in `order` and -1, or None and the agent that found no way.
 
-    `holds` (A,): layers every agent is held at its start.
+    `holds` (A,): layers every agent is held at its start. Once `stopped`, nobody finds one.
     """
     planner.reset()
     curves = [path if path is not None else np.empty((0, 3)) for path in planner.problem.paths]
@@ -54,7 +55,7 @@ def plan_in_order(
     for place, agent in enumerate(order):
         if guard_layers > 0:
             planner.remove(guards[agent])
-        path = planner.path(agent, int(holds[agent]))
+        path = None if stopped() else planner.path(agent, int(holds[agent]))
         if path is None:
             return None, agent
         curves[agent] = planner.curve(agent, path)
@@ -93,7 +94,7 @@ def plan_prioritized(
         if attempt > min(2 * len(movers), 12) and rng.random() < 0.6:
             holds = random_holds(planner, rng, max(1, len(movers) // 3))
         guard = GUARD_LAYERS if attempt % 3 != 2 else 0
-        curves, failed = plan_in_order(planner, order, holds, guard)
+        curves, failed = plan_in_order(planner, order, holds, guard, stopped)
         if curves is not None:
             return Prioritized(curves, attempt + 1, failures)
         failures[failed] += 1

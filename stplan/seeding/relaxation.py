@@ -10,7 +10,7 @@ There is no search and there are no priorities. Single-lane deadlocks are beyond
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,13 +23,20 @@ from stplan.seeding.strings import Strings, initial_curves, may_slide
 
 # Springs aim this much beyond what is required, so that they get there in finite time.
 AIM = 1.015
-# Tension starts high, is held for some sweeps and then decays to nearly nothing.
+# Tension starts high, the higher the more of their ways agents touch somebody at first; it is held for
+# some sweeps and then decays to nearly nothing.
 TENSION = 5.0
-HELD_SWEEPS = 20
+TENSION_CROWDED = 50.0
+MOST_TENSION = 30.0
+HELD_SWEEPS = 8
 DECAY = 0.97
 LEAST_TENSION = 0.005
+# Few that touch are soon parted: an agent's tension decays up to so many times as fast, at the plain
+# pace where it touches at least so many others.
+FASTEST_PACE = 5.0
+PLAIN_PACE_CONTACTS = 6.0
 # Agents that touch nobody are left alone after so many sweeps.
-IDLE_SWEEPS = 60
+IDLE_SWEEPS = 20
 # Look for success this often; without progress for so long, pull the stuck strings tight again.
 CHECK_EVERY = 4
 PATIENCE = 80
@@ -37,6 +44,13 @@ PATIENCE = 80
 KNOCK = 1.5
 # The least part of a contact that a heavy agent answers for.
 LEAST_SHARE = 0.1
+
+
+# Neighbours are listed within a skin of so many radii, more of them where lists last for less than
+# SOON sweeps, fewer where they last for more than LATE.
+SKINS = (0.7, 2.0)
+SKIN_STEP = 1.4
+SOON, LATE = 2, 5
 
 
 @dataclass(frozen=True)
@@ -67,11 +81,13 @@ def relax(
     time_limit: float = 60.0,
     rng_seed: int = 0,
     max_sweeps: int = 2000,
+    check: Callable[[], None] = lambda: None,
 ) -> RelaxationResult:
     """Push rods apart until they are clear, or until the sweeps or the time (s) are used up.
 
     `initial` curves (n, 3) must not cross walls and have to pass the waypoints; without them the
-    strings start straight. The result depends on time only when `time_limit` strikes.
+    strings start straight. The result depends on time only when `time_limit` strikes. `check` is called
+    every sweep; what it raises ends the work.
     """
     deadline = time.perf_counter() + time_limit
     rng = np.random.default_rng(rng_seed)
@@ -80,6 +96,7 @@ def relax(
     sweeps = 0
     stuck: list[tuple[int, int]] = []
     while sweeps < max_sweeps:
+        check()
         relaxation.sweep()
         sweeps += 1
         if sweeps % CHECK_EVERY == 0:
@@ -129,8 +146,10 @@ class _Relaxation:
         self.wall_target = np.where(heeds, AIM * required.walls, 0.0)
         total = problem.masses[:, None] + problem.masses[None, :]
         self.share = np.clip(2.0 * problem.masses[None, :] / total, LEAST_SHARE, 1.0)
-        self.skin = float(np.median(problem.radii))
+        self.body = float(np.median(problem.radii))
+        self.skin = self.body
         self.age = np.zeros(problem.num_agents)
+        self.pace = np.ones(problem.num_agents)
         self.sweeps = self.retensions = self.progress_at = 0
         self.fewest = np.inf
         self.ceilings = problem.time_scale * problem.max_times
@@ -138,11 +157,12 @@ class _Relaxation:
         self.rest_rises = np.where(may_slide(problem), rises / (self.strings.num_knots - 1), 0.0)
         self._list_neighbours()
         self.guarded = self._clear_of_walls()
+        self.tension = float(np.clip(TENSION_CROWDED * self._crowding(), TENSION, MOST_TENSION))
 
     def sweep(self) -> None:
         """One sweep in random order; neighbours are listed anew when somebody has moved far."""
         strings = self.strings
-        decayed = TENSION * DECAY ** np.maximum(self.age - HELD_SWEEPS, 0.0)
+        decayed = self.tension * DECAY ** np.maximum(self.age - HELD_SWEEPS, 0.0)
         moved = sweep_strings(
             self.rng.permutation(self.movable), strings.first_knot, strings.num_knots,
             strings.positions, self.reference, strings.hold, self.ceilings, self.rest_rises,
@@ -151,10 +171,29 @@ class _Relaxation:
             self.rows, self.members, self.rod_target, self.share,
             self.wall_rows, self.wall_members, self.edges, self.wall_target, self.guarded,
         )  # fmt: skip
-        self.age += 1.0
+        self.age += self.pace
         self.sweeps += 1
         if moved > 0.5 * self.skin:
+            self._adapt_skin()
             self._list_neighbours()
+
+    def _crowding(self) -> float:
+        """The part of their ways on which agents touch somebody at first, roughly."""
+        strings = self.strings
+        ends = strings.segments[: strings.num_moving]
+        length = np.linalg.norm(
+            strings.positions[ends[:, 1]] - strings.positions[ends[:, 0]], axis=1
+        )
+        touched = sum(2.0 * self.problem.distance[pair] for pair in self.stuck_pairs())
+        return float(touched / max(float(length.sum()), 1e-12))
+
+    def _adapt_skin(self) -> None:
+        """Longer lists where they would soon be made anew, shorter ones where they last."""
+        lasted = self.sweeps - self.listed_at
+        if lasted < SOON:
+            self.skin = min(self.skin * SKIN_STEP, SKINS[1] * self.body)
+        elif lasted > LATE:
+            self.skin = max(self.skin / SKIN_STEP, SKINS[0] * self.body)
 
     def stuck_pairs(self) -> list[tuple[int, int]]:
         """Pairs of agents a < b that are not clear, sorted."""
@@ -163,7 +202,11 @@ class _Relaxation:
             strings.positions, strings.segments, strings.agents, self.rows, self.members,
             self.required.rods,
         )  # fmt: skip
-        pairs = np.unique(np.sort(found, axis=1), axis=0) if len(found) else found
+        count = self.problem.num_agents
+        codes = np.unique(found.min(axis=1) * count + found.max(axis=1))
+        pairs = np.column_stack([codes // count, codes % count])
+        contacts = np.bincount(pairs.ravel(), minlength=count)
+        self.pace = np.clip(PLAIN_PACE_CONTACTS / np.maximum(contacts, 1), 1.0, FASTEST_PACE)
         return [(int(a), int(b)) for a, b in pairs]
 
     def retension_if_stuck(self, stuck: list[tuple[int, int]]) -> None:
@@ -232,6 +275,7 @@ class _Relaxation:
         """List segments and boundary edges that may come within their targets."""
         strings, problem = self.strings, self.problem
         self.reference = strings.positions.copy()
+        self.listed_at = self.sweeps
         heads = strings.positions[strings.segments[:, 0]]
         tails = strings.positions[strings.segments[:, 1]]
         moving = np.arange(len(strings.segments)) < strings.num_moving

@@ -45,14 +45,20 @@ class Repaired:
     touching: list[tuple[int, int]]
 
 
-def first_curves(planner: LayeredPlanner, rng: np.random.Generator) -> list[FloatArray] | None:
+def first_curves(
+    planner: LayeredPlanner,
+    rng: np.random.Generator,
+    stopped: Callable[[], bool] = lambda: False,
+) -> list[FloatArray] | None:
     """Curves planned in random order, each free if it can be, else touching as few as it can.
 
-    None if someone has no way at all.
+    None if someone has no way at all, or if `stopped`.
     """
     planner.reset()
     curves = [path if path is not None else np.empty((0, 3)) for path in planner.problem.paths]
     for agent in (int(agent) for agent in rng.permutation(np.array(planner.movers))):
+        if stopped():
+            return None
         path = planner.path(agent)
         if path is None:
             path = _least_touching(planner, agent, PENALTIES[0], rng)

@@ -19,8 +19,9 @@ def resample_curve(curve: FloatArray, num_knots: int) -> FloatArray:
     duration = np.diff(curve[:, 2])
     length = np.hypot(*np.diff(curve[:, :2], axis=0).T)
     weight = duration / duration.sum() + length / max(float(length.sum()), 1e-9)
-    pieces = np.ones(len(weight), dtype=np.int64)
-    for _ in range(wanted):
+    # Every piece gets at least the whole part of its fair share; the rest go one by one.
+    pieces = 1 + (wanted * weight / weight.sum() * (1.0 - 1e-12)).astype(np.int64)
+    for _ in range(len(weight) + wanted - int(pieces.sum())):
         pieces[np.argmax(weight / pieces)] += 1
     parts = [
         curve[i] + (curve[i + 1] - curve[i]) * (np.arange(count) / count)[:, None]

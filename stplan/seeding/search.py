@@ -59,6 +59,8 @@ MOST_PRIORITY_BASED = 40
 # Margins and multiples of the layers with which given curves are repaired.
 REPAIR_STAGES = ((1.02, 1), (1.02, 2), (1.001, 2), (1.001, 4))
 REPAIR_ITERATIONS = 300
+# Stages of this effort are soon gone through; then other parts of a portfolio may have their turn.
+SOON_EFFORT, MOST_EFFORT = 1, 128
 LEAST_HELD = 1.0005
 
 
@@ -121,7 +123,7 @@ def schedule(num_margins: int) -> list[Stage]:
     stages += [Stage(level, 1, 1) for level in range(1, num_margins)]
     stages += [
         Stage(level, layers, effort)
-        for layers, effort in ((2, 2), (4, 4), (3, 16), (6, 32), (12, 128))
+        for layers, effort in ((2, 2), (4, 4), (3, 16), (6, 32), (12, MOST_EFFORT))
         for level in range(num_margins)
     ]
     return stages
@@ -133,10 +135,12 @@ def search_curves(
     *,
     settings: SeedingSettings,
     progress: Progress | None = None,
+    efforts: tuple[int, int] = (1, MOST_EFFORT),
 ) -> SearchResult:
     """Clear curves for every agent by search, or why there are none.
 
-    Uses `margin`, `layers`, `time_limit` and `rng_seed` of `settings`.
+    Uses `margin`, `layers`, `time_limit` and `rng_seed` of `settings`; only stages whose effort is
+    between the two `efforts` are gone through.
     """
     say = progress or (lambda line: None)
     deadline = time.perf_counter() + settings.time_limit
@@ -154,7 +158,9 @@ def search_curves(
     levels: list[_Level | None] = [None] * len(margins)
     tries = 0
     for number, stage in enumerate(schedule(len(margins))):
-        if number > 0 and stopped():
+        if not efforts[0] <= stage.effort <= efforts[1]:
+            continue
+        if stopped():
             break
         level = levels[stage.level]
         if level is None:
@@ -269,7 +275,7 @@ def _run_stage(
     tries = ordered.tries
     if ordered.curves is not None:
         return _Attempt(ordered.curves, "prioritized", tries, ())
-    ways = first_curves(planner, rng)
+    ways = first_curves(planner, rng, stopped)
     if ways is None:
         return _Attempt(None, "", tries, ())
     mended = repair(planner, ways, rng, stage.effort * (40 + 2 * count), stopped)

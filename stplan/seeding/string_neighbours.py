@@ -61,14 +61,12 @@ def near_rows(
         for b in range(len(reach)):
             if collides[a, b]:
                 widest[a] = max(widest[a], reach[a, b])
-    offsets = np.zeros(num_segments + 1, np.int64)
-    members = np.empty(16 * num_segments + 64, np.int64)
+    pairs = np.empty((8 * num_segments + 64, 2), np.int64)
     seen = np.full(num_segments, -1)
     first = np.empty(3, np.int64)
     last = np.empty(3, np.int64)
     total = 0
     for i in range(num_segments):
-        offsets[i] = total
         a = agents[i]
         if not movable[i] or widest[a] == 0.0:
             continue
@@ -84,7 +82,8 @@ def near_rows(
                 for k in range(starts[row + first[2]], starts[row + last[2] + 1]):
                     j = contents[k]
                     b = agents[j]
-                    if seen[j] == i or not collides[a, b]:
+                    # A pair that both ask for is found from the first of them.
+                    if seen[j] == i or (j <= i and movable[j]) or not collides[a, b]:
                         continue
                     seen[j] = i
                     limit = reach[a, b]
@@ -106,14 +105,35 @@ def near_rows(
                         positions[v, 0], positions[v, 1], positions[v, 2],
                     )  # fmt: skip
                     if gap < limit * limit:
-                        if total == len(members):
-                            longer = np.empty(2 * total, np.int64)
-                            longer[:total] = members
-                            members = longer
-                        members[total] = j
+                        if total == len(pairs):
+                            longer = np.empty((2 * total, 2), np.int64)
+                            longer[:total] = pairs
+                            pairs = longer
+                        pairs[total, 0] = i
+                        pairs[total, 1] = j
                         total += 1
-    offsets[num_segments] = total
-    return offsets, members[:total]
+    return _rows(pairs[:total], movable)
+
+
+@kernel
+def _rows(pairs: IntArray, movable: BoolArray) -> tuple[IntArray, IntArray]:
+    """Compressed rows of both segments of every pair, as far as they ask."""
+    offsets = np.zeros(len(movable) + 1, np.int64)
+    for k in range(len(pairs)):
+        for x in range(2):
+            if movable[pairs[k, x]]:
+                offsets[pairs[k, x] + 1] += 1
+    for i in range(len(movable)):
+        offsets[i + 1] += offsets[i]
+    cursor = offsets[:-1].copy()
+    members = np.empty(offsets[-1], np.int64)
+    for k in range(len(pairs)):
+        for x in range(2):
+            i = pairs[k, x]
+            if movable[i]:
+                members[cursor[i]] = pairs[k, 1 - x]
+                cursor[i] += 1
+    return offsets, members
 
 
 @kernel

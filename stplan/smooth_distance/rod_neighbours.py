@@ -26,6 +26,7 @@ def near_segments(
     agents: IntArray,
     collides: BoolArray,
     reach: FloatArray,
+    asked: BoolArray | None = None,
 ) -> IntArray:
     """Pairs of segments of colliding agents nearer than the pair's reach.
 
@@ -35,9 +36,10 @@ def near_segments(
         agents: (S,) owner of every segment.
         collides: (A, A) which pairs are asked for.
         reach: (A, A) in m.
+        asked: (S,) only pairs with one of these segments, all by default.
 
     Returns:
-        (N, 2) indices i, j of segments with agents[i] < agents[j], sorted.
+        (N, 2) indices i, j of segments with agents[i] < agents[j], sorted unless `asked`.
     """
     if not collides.any():
         return np.empty((0, 2), dtype=np.int64)
@@ -54,12 +56,16 @@ def near_segments(
     while np.prod(np.floor(extent / cell) + 1.0) > CELLS_A_PIECE * pieces.sum() + 1024:
         cell *= 1.5
     shape = np.floor(extent / cell).astype(np.int64) + 1
+    everyone = asked is None
+    if asked is None:
+        asked = np.ones(len(segments), dtype=bool)
     capacity = 32 * len(segments) + 1024
     while True:
         found = np.empty((capacity, 2), dtype=np.int64)
         count = _collect(
-            start, end, length, pieces, agents, collides, reach, low, cell, shape, found
-        )
+            start, end, length, pieces, agents, collides, reach, asked, everyone, low, cell,
+            shape, found,
+        )  # fmt: skip
         if count <= capacity:
             return found[:count].copy()
         capacity = int(1.2 * count)
@@ -74,6 +80,8 @@ def _collect(
     agents: IntArray,
     collides: BoolArray,
     reach: FloatArray,
+    asked: BoolArray,
+    everyone: bool,
     low: FloatArray,
     cell: float,
     shape: IntArray,
@@ -85,6 +93,8 @@ def _collect(
     count = 0
     last_hit = np.full(len(start), -1)
     for i in range(len(start)):
+        if not asked[i]:
+            continue
         p = agents[i]
         row = count
         for k in range(pieces[i]):
@@ -108,10 +118,11 @@ def _collect(
                         if dx * dx + dy * dy + dz * dz > cell * cell:
                             continue
                         q = owners[b]
-                        if p >= q or not collides[p, q]:
-                            continue
                         j = places[b]
-                        if last_hit[j] == i:
+                        # Two that are asked for find each other once, from the lower agent.
+                        if p == q or (p > q and (everyone or asked[j])):
+                            continue
+                        if not collides[p, q] or last_hit[j] == i:
                             continue
                         limit = reach[p, q]
                         room = limit + 0.5 * (length[i] / pieces[i] + length[j] / pieces[j])
@@ -123,10 +134,10 @@ def _collect(
                         ) < limit * limit:  # fmt: skip
                             last_hit[j] = i
                             if count < len(found):
-                                found[count, 0] = i
-                                found[count, 1] = j
+                                found[count, 0] = i if p < q else j
+                                found[count, 1] = j if p < q else i
                             count += 1
-        if count <= len(found):
+        if everyone and count <= len(found):
             found[row:count, 1] = np.sort(found[row:count, 1])
     return count
 

@@ -2,7 +2,7 @@
 
 from stplan.world.erosion import eroded
 from stplan.world.free_space import FreeSpace, build_free_space
-from stplan.world.placement import check_scene_in_world, disconnected_agents
+from stplan.world.placement import check_scene_in_world, cut_off_agents, widest_passage
 from stplan.world.seeding_mesh import SeedingMesh, build_seeding_mesh
 
 __all__ = [
@@ -11,6 +11,7 @@ __all__ = [
     "build_free_space",
     "build_seeding_mesh",
     "check_scene_in_world",
-    "disconnected_agents",
+    "cut_off_agents",
     "eroded",
+    "widest_passage",
 ]

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import shapely
 
+from stplan.arrays import FloatArray
 from stplan.scene.model import Agent, Scene
 from stplan.world.erosion import eroded
 from stplan.world.free_space import FreeSpace
@@ -54,25 +57,42 @@ def check_scene_in_world(scene: Scene, free_space: FreeSpace | None) -> list[str
     return messages
 
 
-def disconnected_agents(scene: Scene, free_space: FreeSpace | None) -> list[tuple[int, str]]:
-    """Agents that cannot reach their goal at their radius, each with a sentence that says why.
+def cut_off_agents(
+    free_space: FreeSpace | None, stops: Sequence[FloatArray], radii: FloatArray
+) -> list[int]:
+    """Agents whose stops (n, 2) are certainly not connected at their radius (A,), m.
 
-    Only certain cases: the free space is eroded by slightly less than the radius.
+    Agents without stops are left out. The free space is eroded by slightly less than the radius.
     """
     if free_space is None:
         return []
-    eroded: dict[float, shapely.STRtree] = {}
+    shrunk: dict[float, shapely.STRtree] = {}
     found = []
-    for a, agent in enumerate(scene.agents):
-        if agent.weights.wall == 0 or agent.path is not None:
+    for agent, (points, radius) in enumerate(zip(stops, radii.tolist(), strict=True)):
+        if len(points) == 0:
             continue
-        stops = np.array([agent.start, *agent.waypoints, agent.goal])
-        if agent.radius not in eroded:
-            eroded[agent.radius] = _parts(free_space, agent.radius)
-        if _connected(eroded[agent.radius], stops):
-            continue
-        found.append((a, _why(free_space, agent, stops)))
+        if radius not in shrunk:
+            shrunk[radius] = _parts(free_space, radius)
+        if not _connected(shrunk[radius], points):
+            found.append(agent)
     return found
+
+
+def widest_passage(free_space: FreeSpace, stops: FloatArray, radius: float) -> float:
+    """The widest radius below `radius` (m) that connects all `stops` (n, 2), by bisection.
+
+    0 where they lie in separate parts of the map.
+    """
+    low, high = 0.0, radius
+    if not _connected(shapely.STRtree(shapely.get_parts(free_space.polygon)), stops):
+        return 0.0
+    for _ in range(20):
+        middle = (low + high) / 2
+        if _connected(_parts(free_space, middle), stops):
+            low = middle
+        else:
+            high = middle
+    return low
 
 
 def _parts(free_space: FreeSpace, radius: float) -> shapely.STRtree:
@@ -80,24 +100,9 @@ def _parts(free_space: FreeSpace, radius: float) -> shapely.STRtree:
     return shapely.STRtree(shapely.get_parts(shrunk))
 
 
-def _connected(parts: shapely.STRtree, stops: np.ndarray) -> bool:
+def _connected(parts: shapely.STRtree, stops: FloatArray) -> bool:
     reach = parts.query(shapely.points(stops), predicate="intersects")
-    first = set(reach[1][reach[0] == 0].tolist())
-    return all(bool(first & set(reach[1][reach[0] == k].tolist())) for k in range(1, len(stops)))
-
-
-def _why(free_space: FreeSpace, agent: Agent, stops: np.ndarray) -> str:
-    """The widest radius that gets through, by bisection."""
-    low, high = 0.0, agent.radius
-    if not _connected(shapely.STRtree(shapely.get_parts(free_space.polygon)), stops):
-        return f"{agent.id}: its start and goal lie in separate parts of the map"
-    for _ in range(20):
-        middle = (low + high) / 2
-        if _connected(_parts(free_space, middle), stops):
-            low = middle
-        else:
-            high = middle
-    return (
-        f"{agent.id}: no way from start to goal at its radius; the widest lets a radius of "
-        f"{low:.3g} m through, the agent's is {agent.radius:g} m"
-    )
+    common = set(reach[1][reach[0] == 0].tolist())
+    for k in range(1, len(stops)):
+        common &= set(reach[1][reach[0] == k].tolist())
+    return bool(common)

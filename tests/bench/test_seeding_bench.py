@@ -15,7 +15,7 @@ from stplan.errors import SeedingError, UsageError
 from stplan.world import build_free_space, check_scene_in_world
 
 FAMILIES = {family.name: family for family in seeding.families()}
-PLAIN = seeding.Measurement("door 3 a side", 0, 6, True, 2.0, 1.25, "relaxation", "")
+PLAIN = seeding.Measurement("door 3 a side", 0, 6, True, 2.0, 1.5, 1.25, "relaxation", "")
 
 
 @pytest.mark.parametrize("name", [name for name in FAMILIES if not name.endswith("00")])
@@ -113,9 +113,9 @@ def test_failures_count_in_the_times_but_not_in_the_ratio():
     )
     cells = markdown_text([PLAIN, failed]).splitlines()[2].split("|")[1:-1]
     assert [cell.strip() for cell in cells] == [
-        "door 3 a side", "2", "50", "4.000", "6.000", "1.250", "relaxation 1",
+        "door 3 a side", "2", "50", "4.000", "6.000", "1.500", "1.250", "relaxation 1",
     ]  # fmt: skip
-    assert csv_text([failed]).splitlines()[1] == "door 3 a side,1,6,0,6,,,"
+    assert csv_text([failed]).splitlines()[1] == "door 3 a side,1,6,0,6,1.5,,,"
 
 
 def test_the_growth_is_fitted_to_the_open_field():
