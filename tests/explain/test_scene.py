@@ -99,9 +99,9 @@ def test_agents_that_cannot_get_past_each_other():
         "id: sam, start: [1, 0.5], goal: [9, 0.5]",
         "id: ann, start: [9, 0.5], goal: [1, 0.5]",
         world="{rectangle: [0, 0, 10, 1]}",
-        top="seeding: {time_limit: 2}\n",
+        top="seeding: {time_limit: 600}\n",
     )
-    text, plannable = told(scene, time_limit=60.0)
+    text, plannable = told(scene, time_limit=600.0)
     assert not plannable
     assert "sam and ann would be 0.6 m too near at t = 10.00 s, (5, 0.5)" in text
     assert "No collision-free initial curves:\n  - " in text
@@ -127,8 +127,9 @@ def test_who_is_there_and_who_would_meet():
 
 
 def test_initial_curves_are_explained_where_they_are_found():
-    scene = scene_of(SAM, ANN)
-    text, plannable = told(scene, time_limit=20.0)
+    # Patient, for a busy machine that compiles the first time.
+    scene = scene_of(SAM, ANN, top="seeding: {time_limit: 600}\n")
+    text, plannable = told(scene, time_limit=600.0)
     assert plannable
     assert "Everybody can take its shortest way at constant speed: nobody meets." in text
     assert "Initial curves\n  Found by relaxation." in text
