@@ -20,7 +20,9 @@ Output = Annotated[
 Overrides = Annotated[
     list[str] | None,
     typer.Option(
-        "--set", metavar="KEY=VALUE", help="Override a value of the scene; may be repeated."
+        "--set",
+        metavar="KEY=VALUE",
+        help="Override a value of the scene, as in solver.mu=0.1 or agents.sam.radius=0.4; may be repeated.",
     ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")]

@@ -90,6 +90,7 @@ class Stage:
             "scene": {
                 "name": scene.name, "source": str(scene.source), "hash": scene.content_hash,
             },
+            "certificate": {"holds": True, "pairs": {"rows": []}, "walls": {"rows": []}},
             "metrics": {"kinetic_over_straight": 1.25, "latest_arrival": 5.0, "agents": rows},
         }  # fmt: skip
         return SimpleNamespace(
