@@ -23,6 +23,14 @@ def _finish(console: Console, output: Path, contents: Mapping[str, bytes]) -> in
     return 0
 
 
+def bench_batch(console: Console, output: Path, runs: int) -> int:
+    """Measure what a batch costs beyond planning, with one job and with two."""
+    from stplan.bench import batches
+
+    measured = batches.measure(runs, (1, 2), progress=console.progress)
+    return _finish(console, output, batches.files(measured))
+
+
 def bench_seeding(
     console: Console,
     output: Path,

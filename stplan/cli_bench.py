@@ -10,6 +10,7 @@ import typer
 
 from stplan.bench_commands import (
     bench_all,
+    bench_batch,
     bench_comparison,
     bench_convergence,
     bench_figures,
@@ -100,7 +101,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:
-        """Measure the figures the planner is held to.
+        """Whole plans beside what is asked of them.
 
         Time, cost, clearance and memory of planning generated scenes, beside what is asked of them.
 
@@ -120,7 +121,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         *, output: Output = FOLDER, full: Full = False, quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:  # fmt: skip
-        """Measure how the time of an iteration grows with agents.
+        """Time of an iteration over agents.
 
         Flows of random agents cross, at constant density.
 
@@ -138,7 +139,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         *, output: Output = FOLDER, full: Full = False, quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:  # fmt: skip
-        """Measure how the time of an iteration grows with knots per agent.
+        """Time of an iteration over knots per agent.
 
         \b
         Example:
@@ -154,7 +155,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         *, output: Output = FOLDER, full: Full = False, quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:  # fmt: skip
-        """Measure how the time of an iteration grows with edges of walls.
+        """Time of an iteration over edges of walls.
 
         Three agents in a maze between hedges that are drawn more and more finely.
 
@@ -186,7 +187,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:
-        """Measure how fast variants of the optimiser come near the best cost.
+        """Variants of the optimiser on whole scenes.
 
         Iterations and time to 1 % and 0.1 % of the best cost, clearance, failures.
 
@@ -207,7 +208,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         *, output: Output = FOLDER, time_limit: TimeLimit = None, full: Full = False,
         quiet: Quiet = False, verbose: Verbose = False,
     ) -> None:  # fmt: skip
-        """Measure against CasADi and Ipopt on a common grid of times.
+        """Against CasADi and Ipopt on a common time grid.
 
         The rival's distances are enlarged until its result is clear at every instant.
 
@@ -219,6 +220,22 @@ def benchmarks(serve: Serve) -> typer.Typer:
             quiet, verbose, False,
             lambda console: bench_rival(console, output, time_limit, full=full),
         )  # fmt: skip
+
+    @app.command()
+    def batch(
+        *,
+        output: Output = FOLDER,
+        runs: Annotated[int, typer.Option(min=2, help="Runs a batch.")] = 100,
+        quiet: Quiet = False,
+        verbose: Verbose = False,
+    ) -> None:
+        """Measure what a batch costs beyond planning, with one job and with two.
+
+        \b
+        Example:
+          stplan bench batch
+        """
+        serve(quiet, verbose, False, lambda console: bench_batch(console, output, runs))
 
     @app.command()
     def seeding(
@@ -241,7 +258,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:
-        """Measure how often and how fast seeds are found.
+        """How often and how fast seeds are found.
 
         Writes seeding.csv, a row a draw, and seeding.md, a row a family.
 
