@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 DEMO := scenes/bottleneck/bottleneck.yaml
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench format clean
+.PHONY: help demo test claims check bench format clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -18,6 +18,9 @@ demo: $(VENV)/.installed ## plan five walkers through one gap, and say where the
 
 test: $(VENV)/.installed-dev ## run the tests
 	@$(BIN)/python -m pytest
+
+claims: $(VENV)/.installed-dev ## plan every scene, large ones too, assert the paper's claims, write docs/claims.md
+	@$(BIN)/python -m pytest -m "claims or not claims" tests/scenes tests/claims --figures docs/claims.md
 
 check: $(VENV)/.installed-dev ## format, lint, types, layers, then the tests: what CI runs
 	$(BIN)/ruff format --check .

@@ -20,8 +20,11 @@ from stplan.certify.certificate import Certificate, certify
 from stplan.certify.metrics import metrics
 from stplan.compiled import compiled_before
 from stplan.errors import SceneError, SeedingError
+from stplan.files.atomic import write_set
 from stplan.files.json_file import json_bytes
-from stplan.files.trajectories import write_files
+from stplan.files.run_folder import REPORT
+from stplan.files.seal import KEY, RUN_RECORD, seal
+from stplan.files.trajectories import curve_files
 from stplan.memory import LEAST_KNOTS, MIB, peak, require_memory
 from stplan.optimize.continuation import Optimisation, optimise
 from stplan.optimize.ipopt import versions as ipopt_versions
@@ -75,13 +78,26 @@ _ADVICE = {
     "failed": "the optimiser could not improve the seed; the trajectories are the best feasible ones",
     "broken": "the optimised curves do not hold their certificate, so the seed is given instead",
 }
-_EXIT = {"converged": 0, "seeded": 0, "limit": 0, "interrupted": 130, "failed": 4, "broken": 4}
+EXIT_STATUS = {
+    "converged": 0,
+    "seeded": 0,
+    "limit": 0,
+    "interrupted": 130,
+    "failed": 4,
+    "broken": 4,
+}
 
 
-def plan(scene: Scene, *, progress: Progress | None = None) -> Plan:
+def plan(
+    scene: Scene,
+    *,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> Plan:
     """Plan `scene`: find a seed, optimise it, certify the result.
 
-    Interrupted (SIGINT, SIGTERM) while optimising, it returns the best feasible curves so far.
+    Interrupted (SIGINT, SIGTERM) while optimising, it returns the best feasible curves so far; so it
+    does when `stop`, asked after every iteration, returns True.
 
     Raises:
         SceneError: the scene does not fit its map, or not into memory.
@@ -95,8 +111,9 @@ def plan(scene: Scene, *, progress: Progress | None = None) -> Plan:
     free_space, seed, seed_certificate = _seeded(scene, say, clock)
     with _interruptible() as interrupted:
         outcome = optimise(
-            scene, free_space, seed.world_lines, progress=say, interrupted=interrupted
-        )
+            scene, free_space, seed.world_lines, progress=say,
+            interrupted=lambda: interrupted() or (stop is not None and stop()),
+        )  # fmt: skip
     clock.lap("optimise")
     certificate = certify(scene, free_space, outcome.world_lines)
     clock.lap("certify")
@@ -110,7 +127,7 @@ def plan(scene: Scene, *, progress: Progress | None = None) -> Plan:
     run = _run(clock) | {"optimisation": _optimisation_times(outcome, clock)}
     return Plan(
         scene, seed.world_lines, lines, certificate, report, run, status, _ADVICE[status],
-        _EXIT[status],
+        EXIT_STATUS[status],
     )  # fmt: skip
 
 
@@ -134,11 +151,16 @@ def check(scene: Scene, lines: WorldLines) -> Certificate:
 
 def write_plan(result: Plan, folder: Path) -> list[Path]:
     """Write a plan's files into `folder` (made if needed) and return their paths."""
-    files = {"seed": result.seed}
+    return write_set(folder, plan_files(result))
+
+
+def plan_files(result: Plan) -> dict[str, bytes]:
+    """What `write_plan` writes, by file name: the record with the seal of all others comes last."""
+    curves = {"seed": result.seed}
     if result.trajectories is not None:
-        files["trajectories"] = result.trajectories
-    extra = {"report.json": json_bytes(result.report), "run.json": json_bytes(result.run)}
-    return write_files(folder, result.scene, files, extra)
+        curves["trajectories"] = result.trajectories
+    contents = curve_files(result.scene, curves) | {REPORT: json_bytes(result.report)}
+    return contents | {RUN_RECORD: json_bytes(result.run | {KEY: seal(contents)})}
 
 
 def _world(scene: Scene) -> FreeSpace | None:

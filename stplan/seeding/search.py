@@ -143,10 +143,10 @@ def search_curves(
     between the two `efforts` are gone through.
     """
     say = progress or (lambda line: None)
-    deadline = time.perf_counter() + settings.time_limit
+    deadline = time.thread_time() + settings.time_limit
 
     def stopped() -> bool:
-        return time.perf_counter() > deadline
+        return time.thread_time() > deadline
 
     given = [path for path in problem.paths if path is not None]
     if len(given) == problem.num_agents:
@@ -211,7 +211,7 @@ def repair_curves(
     hold less than the margin need not hold more than they do.
     """
     say = progress or (lambda line: None)
-    deadline = time.perf_counter() + settings.time_limit
+    deadline = time.thread_time() + settings.time_limit
     reasons: tuple[Reason, ...] = ()
     tries = 0
     for number, (margin, layers) in enumerate(REPAIR_STAGES):
@@ -231,13 +231,13 @@ def repair_curves(
         say(f"repairing: {planner.graph.num_vertices} vertices, {planner.grid.count} layers")
         rng = np.random.default_rng([settings.rng_seed, number])
         mended = repair(
-            planner, curves, rng, REPAIR_ITERATIONS, lambda: time.perf_counter() > deadline
+            planner, curves, rng, REPAIR_ITERATIONS, lambda: time.thread_time() > deadline
         )
         tries += mended.iterations
         if mended.conflicts == 0 and not verify(problem, mended.curves):
             return SearchResult(mended.curves, "repair", level.margin, tries, ())
         reasons = stuck(problem, mended.curves, mended.touching)
-        if time.perf_counter() > deadline:
+        if time.thread_time() > deadline:
             break
     return SearchResult(None, "", settings.margin, tries, reasons)
 

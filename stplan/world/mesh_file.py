@@ -39,6 +39,10 @@ def read_flat_mesh(path: Path, up: str) -> tuple[FloatArray, IntArray]:
         vertices, triangles = load
     except SceneError as error:
         raise SceneError(f"{path.name} {error}") from error
+    except OSError as error:
+        raise SceneError(f"{path.name} cannot be read: {error.strerror or error}") from error
+    except MemoryError:
+        raise
     except Exception as error:  # a hostile file may raise anything at all inside the reader
         raise SceneError(
             f"{path.name} cannot be read: it is damaged, cut short or no {path.suffix} mesh"
