@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 DEMO := scenes/bottleneck/bottleneck.yaml
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test claims check bench format clean
+.PHONY: help demo test claims check bench gallery page format clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -36,8 +36,15 @@ format: $(VENV)/.installed-dev ## format the sources and fix what the linter can
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
+gallery: $(VENV)/.installed-dev ## plan and draw every scene: docs/gallery and the pictures of README
+	$(BIN)/python docs/make_gallery.py
+
+page: ## build the page of `stplan view` from its sources; needs node and npm
+	cd stplan/viewing/page && npm ci --silent && npm run --silent build
+
 clean: ## remove the virtual environment, caches and outputs
 	rm -rf $(VENV) build dist *.egg-info
+	rm -rf stplan/viewing/page/node_modules
 	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 	find outputs -mindepth 1 ! -name .gitkeep -delete
 	find stplan tests -name __pycache__ -prune -exec rm -rf {} +

@@ -26,7 +26,7 @@ from stplan.files.run_folder import REPORT
 from stplan.files.seal import KEY, RUN_RECORD, seal
 from stplan.files.trajectories import curve_files
 from stplan.memory import LEAST_KNOTS, MIB, peak, require_memory
-from stplan.optimize.continuation import Optimisation, optimise
+from stplan.optimize.continuation import LiveLine, Optimisation, optimise
 from stplan.optimize.ipopt import versions as ipopt_versions
 from stplan.optimize.linear_solvers import chosen_linear_solver
 from stplan.optimize.settle import settle
@@ -92,10 +92,12 @@ def plan(
     scene: Scene,
     *,
     progress: Progress | None = None,
+    live: LiveLine | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> Plan:
     """Plan `scene`: find a seed, optimise it, certify the result.
 
+    While optimising, `live` is given a maker of a progress line after every iteration of Ipopt.
     Interrupted (SIGINT, SIGTERM) while optimising, it returns the best feasible curves so far; so it
     does when `stop`, asked after every iteration, returns True.
 
@@ -111,7 +113,7 @@ def plan(
     free_space, seed, seed_certificate = _seeded(scene, say, clock)
     with _interruptible() as interrupted:
         outcome = optimise(
-            scene, free_space, seed.world_lines, progress=say,
+            scene, free_space, seed.world_lines, progress=say, live=live,
             interrupted=lambda: interrupted() or (stop is not None and stop()),
         )  # fmt: skip
     clock.lap("optimise")

@@ -74,7 +74,7 @@ class Stage:
             as_dict=lambda: {"holds": not self.violations, "violations": list(self.violations)},
         )
 
-    def plan(self, scene: Any, *, progress: Any = None) -> Any:
+    def plan(self, scene: Any, *, progress: Any = None, live: Any = None) -> Any:
         self.planned.append(scene.name)
         progress("outer iteration 1")
         if scene.name in self.raises:
@@ -90,6 +90,7 @@ class Stage:
             "scene": {
                 "name": scene.name, "source": str(scene.source), "hash": scene.content_hash,
             },
+            "certificate": {"holds": True, "pairs": {"rows": []}, "walls": {"rows": []}},
             "metrics": {"kinetic_over_straight": 1.25, "latest_arrival": 5.0, "agents": rows},
         }  # fmt: skip
         return SimpleNamespace(

@@ -58,7 +58,7 @@ import stplan.scene
 from tests.files.examples import scene_of
 stplan.scene.load_scene = lambda path, overrides=(): scene_of(["sam"])
 pipeline = types.ModuleType("stplan.pipeline")
-def plan(scene, *, progress):
+def plan(scene, *, progress, live=None):
     progress("planning")
     {action}
 pipeline.plan = pipeline.seed = plan
