@@ -91,16 +91,19 @@ def test_the_limit_does_not_decide_which_curves_are_found() -> None:
 
 
 def test_what_search_found_is_relaxed() -> None:
-    scene = door(np.random.default_rng(5), per_side=4)
-    free_space = build_free_space(scene)
-    problem = RodProblem.from_scene(scene, free_space)
-    found = search_curves(problem, free_space, settings=scene.seeding)
-    assert found.curves is not None
-    smooth = smooth_curves(problem, found.curves, margin=1.05, rng_seed=0, check=lambda: None)
-    assert verify(problem, smooth) == []
-    assert kinetic_cost(problem, smooth) < 0.97 * kinetic_cost(
-        problem, polish(problem, found.curves)
-    )
+    parts = []
+    for draw in range(3):
+        scene = door(np.random.default_rng(draw), per_side=4)
+        free_space = build_free_space(scene)
+        problem = RodProblem.from_scene(scene, free_space)
+        found = search_curves(problem, free_space, settings=scene.seeding)
+        assert found.curves is not None
+        smooth = smooth_curves(problem, found.curves, margin=1.05, rng_seed=0, check=lambda: None)
+        assert verify(problem, smooth) == []
+        polished = polish(problem, found.curves)
+        parts.append(kinetic_cost(problem, smooth) / kinetic_cost(problem, polished))
+    assert max(parts) <= 1.0
+    assert min(parts) < 0.97
 
 
 def test_what_a_check_raises_ends_the_work() -> None:
