@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 DEMO := scenes/bottleneck/bottleneck.yaml
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check format clean
+.PHONY: help demo test claims check bench format clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -19,12 +19,18 @@ demo: $(VENV)/.installed ## plan five walkers through one gap, and say where the
 test: $(VENV)/.installed-dev ## run the tests
 	@$(BIN)/python -m pytest
 
+claims: $(VENV)/.installed-dev ## plan every scene, large ones too, assert the paper's claims, write docs/claims.md
+	@$(BIN)/python -m pytest -m "claims or not claims" tests/scenes tests/claims --figures docs/claims.md
+
 check: $(VENV)/.installed-dev ## format, lint, types, layers, then the tests: what CI runs
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	@$(MAKE) --no-print-directory test
+
+bench: $(VENV)/.installed-dev ## measure the planner: small benchmarks, a few minutes
+	$(BIN)/stplan bench all
 
 format: $(VENV)/.installed-dev ## format the sources and fix what the linter can fix
 	$(BIN)/ruff format .

@@ -6,14 +6,19 @@ Imports that take time wait inside the functions, so that help and usage errors 
 from __future__ import annotations
 
 import math
+import os
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stplan.errors import SceneError, UsageError
-from stplan.reporting import Console, failure, plan_lines, worst
+from stplan.files.atomic import uninterrupted
+from stplan.reporting import Console, failure, plan_lines, worst, write
 
 if TYPE_CHECKING:
+    from stplan.batch.campaign import Settings
+    from stplan.batch.runs import Run
     from stplan.pipeline import Plan
     from stplan.scene.model import Scene
     from stplan.world_lines import WorldLines
@@ -61,7 +66,13 @@ def plan_scenes(
                 console, scene, output, overrides, seed_only=seed_only, prefix=prefix, record=record
             )
         except (Exception, KeyboardInterrupt) as error:
-            _note_failure(console, record, error, "" if isinstance(error, SceneError) else prefix)
+            if isinstance(error, KeyboardInterrupt) and "files" in record:
+                record["exit_status"] = 130
+                console.error(f"{prefix}interrupted when its files were written already")
+            else:
+                _note_failure(
+                    console, record, error, "" if isinstance(error, SceneError) else prefix
+                )
         if record["exit_status"] == 130:
             break
     status = worst([record["exit_status"] for record in records])
@@ -87,17 +98,18 @@ def _plan_one(
     planned = (seed if seed_only else plan)(scene, progress=progress)
     # A run is checked later against the scene as it was planned, overrides and all.
     planned.report.get("scene", {})["overrides"] = list(overrides)
-    files = _write(planned, output / scene.name, seed_only)
-    record |= {
-        "name": scene.name,
-        "exit_status": planned.exit_status,
-        "status": planned.status,
-        "advice": planned.advice,
-        "folder": str(output / scene.name),
-        "files": [str(path) for path in files],
-        "report": planned.report,
-        "run": planned.run,
-    }
+    with uninterrupted():
+        files = _write(planned, output / scene.name, seed_only)
+        record |= {
+            "name": scene.name,
+            "exit_status": planned.exit_status,
+            "status": planned.status,
+            "advice": planned.advice,
+            "folder": str(output / scene.name),
+            "files": [str(path) for path in files],
+            "report": planned.report,
+            "run": planned.run,
+        }
     if planned.advice and not (console.quiet and planned.exit_status == 0):
         console.error(prefix + planned.advice)
     console.result(*plan_lines(planned, files, console.verbose))
@@ -247,3 +259,91 @@ def print_schema(console: Console) -> int:
 
     console.result_json(scene_schema())
     return 0
+
+
+def run_batch(
+    console: Console,
+    sources: Sequence[str],
+    *,
+    output: Path,
+    overrides: Sequence[str],
+    sweeps: Sequence[str],
+    filters: Sequence[str],
+    jobs: int | None,
+    timeout: float | None,
+    retries: int,
+    fail_fast: bool,
+    force: bool,
+    dask: str | None,
+    dry_run: bool,
+    output_format: str,
+) -> int:
+    """Plan many scenes in parallel, but for those that are done."""
+    if timeout is not None and not (math.isfinite(timeout) and timeout > 0):
+        raise UsageError(f"--timeout is {timeout}; expected a number of seconds above 0")
+    from stplan.batch.campaign import Settings, run_batch
+    from stplan.batch.formats import github, junit
+    from stplan.batch.runs import list_runs
+    from stplan.batch.summary import SUMMARIES, summary
+    from stplan.batch.watchers import LineWatcher, live_table
+
+    runs = list_runs(
+        sources, output=output, overrides=overrides, sweeps=sweeps, filters=filters
+    )  # fmt: skip
+    settings = Settings(
+        output,
+        jobs or usable_cores(),
+        timeout,
+        retries,
+        fail_fast=fail_fast,
+        force=force,
+        dask=dask,
+    )
+    if dry_run:
+        return _preview(console, runs, settings)
+    if sys.stderr.isatty() and not (console.quiet or console.verbose):
+        with live_table() as table:
+            batch = run_batch(runs, settings, table)
+        console.error(*(line for result in batch.results for line in result.complaints))
+    else:
+        batch = run_batch(
+            runs, settings, LineWatcher(console.progress, console.error, console.verbose)
+        )
+    status = worst(batch.exit_statuses)
+    console.result_json({"exit_status": status, **summary(batch)})
+    if output_format == "junit":
+        write(sys.stdout, junit(batch))
+    elif output_format == "github":
+        write(sys.stdout, github(batch))
+    else:
+        console.result(batch.sentence, f"  {output}{os.sep}: {' '.join(SUMMARIES)}")
+    return status
+
+
+def usable_cores() -> int:
+    """Cores that this process may use; a scheduler may have given it fewer than there are."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _preview(console: Console, runs: Sequence[Run], settings: Settings) -> int:
+    """Say what a batch would do."""
+    from stplan.batch.folder import found
+
+    records: list[dict[str, Any]] = []
+    for run in runs:
+        what, why = "refused", "; ".join(run.refusal)
+        if not run.refusal:
+            why = "--force" if settings.force else found(run, settings.output / run.name).missing
+            what = "plan" if why else "done"
+        records.append(
+            {
+                "run": run.name, "scene": str(run.source), "overrides": list(run.overrides),
+                "hash": run.content_hash or None, "action": what, "reason": why or None,
+            }
+        )  # fmt: skip
+        console.result(f"{what:7}  {run.name}" + (f": {why}" if why else ""))
+    status = 2 if any(run.refusal for run in runs) else 0
+    console.result_json({"exit_status": status, "runs": records})
+    return status

@@ -38,3 +38,22 @@ class SolverError(StplanError):
     """The optimiser is missing something it was asked for (a linear solver, an option)."""
 
     exit_status = 2
+
+
+class OutOfMemoryError(StplanError):
+    """The system, or a limit set for this process (``ulimit -v``), gives no more memory."""
+
+    exit_status = 4
+
+    def __init__(self) -> None:
+        super().__init__(
+            "out of memory: nothing was written; raise the limit of this process, or plan fewer "
+            "agents, knots or vertices"
+        )
+
+
+def as_stplan_error(error: BaseException) -> StplanError | None:
+    """`error` as one of this package's, or None where it is a bug."""
+    if isinstance(error, StplanError):
+        return error
+    return OutOfMemoryError() if isinstance(error, MemoryError) else None

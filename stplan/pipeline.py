@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import platform
-import resource
 import signal
 import threading
 import time
@@ -21,10 +20,15 @@ from stplan.certify.certificate import Certificate, certify
 from stplan.certify.metrics import metrics
 from stplan.compiled import compiled_before
 from stplan.errors import SceneError, SeedingError
+from stplan.files.atomic import write_set
 from stplan.files.json_file import json_bytes
-from stplan.files.trajectories import write_files
+from stplan.files.run_folder import REPORT
+from stplan.files.seal import KEY, RUN_RECORD, seal
+from stplan.files.trajectories import curve_files
+from stplan.memory import LEAST_KNOTS, MIB, peak, require_memory
 from stplan.optimize.continuation import Optimisation, optimise
 from stplan.optimize.ipopt import versions as ipopt_versions
+from stplan.optimize.linear_solvers import chosen_linear_solver
 from stplan.optimize.settle import settle
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Seed
@@ -34,6 +38,9 @@ from stplan.world import FreeSpace, build_free_space, check_scene_in_world
 from stplan.world_lines import WorldLines
 
 Progress = Callable[[str], None]
+
+# So many broken promises of initial curves are told.
+MOST_VIOLATIONS = 5
 
 
 @dataclass(frozen=True)
@@ -71,26 +78,42 @@ _ADVICE = {
     "failed": "the optimiser could not improve the seed; the trajectories are the best feasible ones",
     "broken": "the optimised curves do not hold their certificate, so the seed is given instead",
 }
-_EXIT = {"converged": 0, "seeded": 0, "limit": 0, "interrupted": 130, "failed": 4, "broken": 4}
+EXIT_STATUS = {
+    "converged": 0,
+    "seeded": 0,
+    "limit": 0,
+    "interrupted": 130,
+    "failed": 4,
+    "broken": 4,
+}
 
 
-def plan(scene: Scene, *, progress: Progress | None = None) -> Plan:
+def plan(
+    scene: Scene,
+    *,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> Plan:
     """Plan `scene`: find a seed, optimise it, certify the result.
 
-    Interrupted (SIGINT, SIGTERM) while optimising, it returns the best feasible curves so far.
+    Interrupted (SIGINT, SIGTERM) while optimising, it returns the best feasible curves so far; so it
+    does when `stop`, asked after every iteration, returns True.
 
     Raises:
-        SceneError: the scene does not fit its map.
+        SceneError: the scene does not fit its map, or not into memory.
         SeedingError: no collision-free initial curves were found.
+        SolverError: Ipopt lacks the linear solver or an option asked for.
         KeyboardInterrupt: interrupted before there were any.
     """
     say = progress or (lambda line: None)
     clock = _Clock()
+    linear_solver = chosen_linear_solver(scene)
     free_space, seed, seed_certificate = _seeded(scene, say, clock)
     with _interruptible() as interrupted:
         outcome = optimise(
-            scene, free_space, seed.world_lines, progress=say, interrupted=interrupted
-        )
+            scene, free_space, seed.world_lines, progress=say,
+            interrupted=lambda: interrupted() or (stop is not None and stop()),
+        )  # fmt: skip
     clock.lap("optimise")
     certificate = certify(scene, free_space, outcome.world_lines)
     clock.lap("certify")
@@ -98,12 +121,13 @@ def plan(scene: Scene, *, progress: Progress | None = None) -> Plan:
     if not certificate.holds:
         lines, certificate, status = seed.world_lines, seed_certificate, "broken"
     report = _report(scene, seed, seed_certificate, certificate, lines, status)
+    report["linear_solver"] = linear_solver
     report["costs"] = outcome.costs
     report["outer_iterations"] = outcome.record
     run = _run(clock) | {"optimisation": _optimisation_times(outcome, clock)}
     return Plan(
         scene, seed.world_lines, lines, certificate, report, run, status, _ADVICE[status],
-        _EXIT[status],
+        EXIT_STATUS[status],
     )  # fmt: skip
 
 
@@ -127,11 +151,16 @@ def check(scene: Scene, lines: WorldLines) -> Certificate:
 
 def write_plan(result: Plan, folder: Path) -> list[Path]:
     """Write a plan's files into `folder` (made if needed) and return their paths."""
-    files = {"seed": result.seed}
+    return write_set(folder, plan_files(result))
+
+
+def plan_files(result: Plan) -> dict[str, bytes]:
+    """What `write_plan` writes, by file name: the record with the seal of all others comes last."""
+    curves = {"seed": result.seed}
     if result.trajectories is not None:
-        files["trajectories"] = result.trajectories
-    extra = {"report.json": json_bytes(result.report), "run.json": json_bytes(result.run)}
-    return write_files(folder, result.scene, files, extra)
+        curves["trajectories"] = result.trajectories
+    contents = curve_files(result.scene, curves) | {REPORT: json_bytes(result.report)}
+    return contents | {RUN_RECORD: json_bytes(result.run | {KEY: seal(contents)})}
 
 
 def _world(scene: Scene) -> FreeSpace | None:
@@ -145,6 +174,8 @@ def _world(scene: Scene) -> FreeSpace | None:
 def _seeded(
     scene: Scene, say: Progress, clock: _Clock
 ) -> tuple[FreeSpace | None, Seed, Certificate]:
+    count = len(scene.agents)
+    require_memory(scene.name, count, count * (scene.solver.knots or LEAST_KNOTS))
     free_space = _world(scene)
     clock.lap("world")
     if not compiled_before(squared_distance):
@@ -155,15 +186,25 @@ def _seeded(
             scene, free_space, found.world_lines, found.meetings,
             progress=say, interrupted=interrupted,
         )  # fmt: skip
+        if interrupted():
+            raise KeyboardInterrupt
     found = replace(found, world_lines=lines)
     clock.lap("seed")
     certificate = certify(scene, free_space, lines)
     clock.lap("certify")
     if not certificate.holds:
-        raise SeedingError(
-            "the initial curves found do not hold their certificate: " + certificate.violations[0]
-        )
+        raise SeedingError(_broken_promises(certificate))
     return free_space, found, certificate
+
+
+def _broken_promises(certificate: Certificate) -> str:
+    """What the best initial curves miss of all that the scene asks."""
+    shown = list(certificate.violations[:MOST_VIOLATIONS])
+    more = len(certificate.violations) - len(shown)
+    shown += [f"and {more} more"] if more else []
+    return "no initial curves were found that hold their certificate; of the best ones:\n  " + (
+        "\n  ".join(shown)
+    )
 
 
 def _report(
@@ -222,14 +263,13 @@ class _Clock:
 
 
 def _run(clock: _Clock) -> dict[str, Any]:
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return {
         "started": clock.started.isoformat(),
         "seconds": {**clock.laps, "total": clock.total},
         "host": platform.node(),
         "platform": platform.platform(),
         "python": platform.python_version(),
-        "peak_memory_mib": round(peak / 1024, 1),
+        "peak_memory_mib": round(peak() / MIB, 1),
     }
 
 

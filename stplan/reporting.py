@@ -10,7 +10,7 @@ import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
-from stplan.errors import StplanError, UsageError
+from stplan.errors import UsageError, as_stplan_error
 from stplan.files.json_file import json_bytes
 
 if TYPE_CHECKING:
@@ -86,8 +86,9 @@ def write(stream: TextIO | None, text: str) -> None:
 
 def failure(error: BaseException) -> tuple[int, list[str]]:
     """Exit status and messages of an exception; a bug's traceback goes to a file."""
-    if isinstance(error, StplanError):
-        return error.exit_status, str(error).splitlines() or [type(error).__name__]
+    known = as_stplan_error(error)
+    if known is not None:
+        return known.exit_status, str(known).splitlines() or [type(known).__name__]
     if isinstance(error, KeyboardInterrupt):
         return 130, ["interrupted before there was a result; nothing was written"]
     what = " ".join(f"{type(error).__name__}: {error}".split())

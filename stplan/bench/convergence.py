@@ -22,9 +22,9 @@ from stplan.certify.certificate import certify
 from stplan.costs.term import Term
 from stplan.errors import SeedingError, UsageError
 from stplan.optimize.continuation import optimise
+from stplan.pipeline import seed as seeded
 from stplan.scene import load_scene
 from stplan.scene.model import Scene
-from stplan.seeding.portfolio import find_seed
 from stplan.world import FreeSpace, build_free_space
 from stplan.world_lines import WorldLines
 
@@ -45,7 +45,7 @@ VARIANTS: Mapping[str, Mapping[str, Any]] = {
 ASKED = frozenset({"kinetic", "acceleration", "arrival", "grouping"})
 # How near the best cost is near: a hundredth and a thousandth of it above.
 NEAR = (1e-2, 1e-3)
-SMALL_SECONDS, FULL_SECONDS = 3.0, 60.0
+SMALL_SECONDS, FULL_SECONDS = 3.0, 30.0
 SMALL_SCENES = ("symmetric", "bottleneck", "circle-8", "pocket-swap")
 
 
@@ -130,7 +130,7 @@ def measure(
     for scene in scenes:
         free_space = build_free_space(scene)
         try:
-            seed = find_seed(scene, free_space, progress=lambda line: None).world_lines
+            seed = seeded(scene).seed
         except SeedingError as error:
             progress(f"{scene.name}: {str(error).splitlines()[0]}")
             continue

@@ -135,6 +135,23 @@ def cases() -> list[Case]:
             small=False,
         ),
     ]
+    # The same flows twice as dense.
+    found += [
+        Case(
+            "dense-flows-128",
+            "dense crossing flows of 128 at 1 m/s, 36 knots",
+            lambda: with_solver(wide.crossing_flows(128, 1.0, density=0.24), knots=36),
+            _whole(10.0, 1.07),
+            small=False,
+        ),
+        Case(
+            "dense-flows-512",
+            "dense crossing flows of 512 at 0.5 m/s",
+            lambda: wide.crossing_flows(512, 0.5, density=0.24),
+            _whole(60.0, 1.07),
+            small=False,
+        ),
+    ]
     converging: tuple[tuple[Quantity, float], ...] = (("over converged cost", 0.02),)
     found += [
         Case(name, title, scene, converging, small=False, tight=True)

@@ -64,10 +64,11 @@ def growth_figure(title: str, size: str, value: str, series: Sequence[Series]) -
 def profile_figure(title: str, work: str, profiles: Mapping[str, Sequence[float]]) -> bytes:
     """PNG of the share of scenes finished (%) over the work it took; nan is never finished."""
     figure, axes = _axes(title)
+    most = max((cost for costs in profiles.values() for cost in costs if cost > 0.0), default=1.0)
     for label, costs in profiles.items():
         done = np.sort([cost for cost in costs if not np.isnan(cost)])
         share = 100.0 * np.arange(len(done) + 1) / max(len(costs), 1)
-        axes.step([0.0, *done], share, where="post", label=label)
+        axes.step([0.0, *done, 1.2 * most], [*share, share[-1]], where="post", label=label)
     axes.set_xscale("symlog", linthresh=1.0)
     axes.set_ylim(0.0, 103.0)
     axes.set_xlabel(work)

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import os
 import secrets
-from collections.abc import Mapping
-from contextlib import suppress
+import signal
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from types import FrameType
 
 from stplan.errors import UsageError
+
+_UNFINISHED = ".tmp"
 
 
 def write_atomically(path: Path, content: bytes) -> Path:
@@ -34,11 +39,12 @@ def write_set(folder: Path, contents: Mapping[str, bytes]) -> list[Path]:
             target = folder / name
             if target.is_dir():
                 raise UsageError(f"cannot write {target}: a folder of this name is in the way")
-            beside = folder / f".{name}.{os.getpid()}-{secrets.token_hex(6)}.tmp"
+            beside = folder / f".{name}.{os.getpid()}-{secrets.token_hex(6)}{_UNFINISHED}"
             waiting[target] = beside
             _write_flushed(beside, content)
-        for target, beside in waiting.items():
-            os.replace(beside, target)
+        with uninterrupted():
+            for target, beside in waiting.items():
+                os.replace(beside, target)
         _flush_folder(folder)
     except BaseException as error:
         for beside in waiting.values():
@@ -52,6 +58,34 @@ def write_set(folder: Path, contents: Mapping[str, bytes]) -> list[Path]:
             raise UsageError(f"cannot write into {folder}: {reason}") from error
         raise
     return list(waiting)
+
+
+def remove_unfinished(folder: Path) -> None:
+    """Remove what a writer left behind that was killed; no other may be at work in `folder`."""
+    for path in folder.glob(f".*{_UNFINISHED}"):
+        path.unlink(missing_ok=True)
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Within, SIGINT and SIGTERM wait; they are answered at the end."""
+    held: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield  # Python answers signals in the main thread only.
+        return
+
+    def hold(number: int, frame: FrameType | None) -> None:
+        del frame
+        held.append(number)
+
+    before = {number: signal.signal(number, hold) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        for late in held:
+            signal.raise_signal(late)
 
 
 def _make_folder(folder: Path, made: list[Path]) -> None:

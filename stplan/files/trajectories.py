@@ -48,11 +48,16 @@ def write_files(
     Raises:
         UsageError: the folder cannot be written.
     """
+    return write_set(folder, curve_files(scene, curves) | dict(extra or {}))
+
+
+def curve_files(scene: Scene, curves: Mapping[str, WorldLines]) -> dict[str, bytes]:
+    """`NAME.csv` and `NAME.npz` of all `curves`, by file name."""
     contents: dict[str, bytes] = {}
     for name, lines in curves.items():
         contents[f"{name}.csv"] = csv_bytes(lines)
         contents[f"{name}.npz"] = npz_bytes(lines, scene)
-    return write_set(folder, contents | dict(extra or {}))
+    return contents
 
 
 def _in_folder(folder: Path) -> Path:

@@ -31,6 +31,10 @@ from stplan.world_lines import KnotLayout
 # Smallest duration of a segment over the mean one; and over the seed's own, where that is shorter.
 LEAST_DURATION_SHARE = 1e-3
 SEED_DURATION_SHARE = 0.1
+# Largest duration of a segment over the mean one where acceleration is limited; and by how much longer
+# segments of the seed may grow.
+LONGEST_SHARE = 2.0
+SPARE_SHARE = 0.01
 
 
 @dataclass(frozen=True)
@@ -84,15 +88,33 @@ def build_limits(
     least = np.minimum(LEAST_DURATION_SHARE * mean, SEED_DURATION_SHARE * step)
     irregular = np.array([agent.weights.regularity == 0.0 for agent in scene.agents])
     guarded = irregular[layout.agent_of_segment]
+    dwelling = np.searchsorted(layout.segment, appointments.stays[:, 0])
+    share = _greatest_shares(scene, layout, step)
+    share[dwelling] = np.inf
     if not timed:
-        return Limits(lower, upper, least, np.flatnonzero(guarded))
+        no_links = np.empty((0, 2), dtype=np.int64)
+        return Limits(lower, upper, least, np.flatnonzero(guarded), no_links, share)
     windowed, window = appointments.windowed, appointments.window
     lower[windowed, 2] = np.maximum(lower[windowed, 2], window[:, 0])
     upper[windowed, 2] = np.minimum(upper[windowed, 2], window[:, 1])
-    dwelling = np.searchsorted(layout.segment, appointments.stays[:, 0])
     least[dwelling] = appointments.dwell
     guarded[dwelling] = True
-    return Limits(lower, upper, least, np.flatnonzero(guarded), appointments.links)
+    return Limits(lower, upper, least, np.flatnonzero(guarded), appointments.links, share)
+
+
+def _greatest_shares(scene: Scene, layout: KnotLayout, step: FloatArray) -> FloatArray:
+    """(S,) parts of an agent's duration that its segments may last, given the seed's `step` (S,) in s.
+
+    A long segment would hide how fast an agent has to speed up: where acceleration is limited, none lasts
+    longer than twice the mean, or hardly longer than in the seed.
+    """
+    limited = np.array([agent.max_acceleration is not None for agent in scene.agents])
+    whole = np.bincount(layout.agent_of_segment, step, layout.num_agents)
+    own = np.maximum(
+        LONGEST_SHARE / layout.num_segments[layout.agent_of_segment],
+        (1.0 + SPARE_SHARE) * step / whole[layout.agent_of_segment],
+    )
+    return np.where(limited[layout.agent_of_segment], own, np.inf)
 
 
 class Assembly:

@@ -18,6 +18,7 @@ from stplan.costs.term import Term
 from stplan.optimize.appointments import find_appointments
 from stplan.optimize.assembly import Assembly, Setting, build_limits
 from stplan.optimize.ipopt import FAILURES, IpoptResult, Iteration, Multipliers, solve
+from stplan.optimize.linear_solvers import chosen_linear_solver
 from stplan.optimize.problem import Problem, Stopwatch
 from stplan.optimize.scales import derive_scales
 from stplan.scene.interactions import scene_interactions
@@ -126,6 +127,9 @@ def optimise(
         progress: called with one line an outer iteration.
         interrupted: asked after every iteration; True ends with the best feasible curves.
         observe: called with the knots (M, 3) and the terms of the objective after every iteration.
+
+    Raises:
+        SolverError: Ipopt lacks the linear solver or an option asked for.
     """
     layout = KnotLayout.from_offsets(seed.offsets)
     setting = build_setting(scene, free_space, layout, seed.knots)
@@ -188,6 +192,7 @@ class _Loop:
         self._progress = progress
         self._interrupted = interrupted
         self._observe = observe
+        self._linear_solver = chosen_linear_solver(setting.scene)
         self._watch = Stopwatch()
         self._record: list[dict[str, Any]] = []
         self._status = "converged"
@@ -281,7 +286,7 @@ class _Loop:
             problem,
             self._knots,
             max_iterations=left,
-            linear_solver=solver.linear_solver,
+            linear_solver=self._linear_solver,
             objective_scale=1.0 / self._setting.scales.energy,
             limited_memory=solver.hessian == "limited-memory",
             options=solver.ipopt,

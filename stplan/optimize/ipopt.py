@@ -71,6 +71,14 @@ _DEFAULTS: dict[str, Any] = {
     "slack_bound_frac": 1e-8,
     "tol": 1e-6,
     "acceptable_iter": 0,
+    # Refine a solution of the linear system only where it is found to be inaccurate.
+    "min_refinement_steps": 0,
+}
+# Measured (docs/performance.md): the systems are well scaled, and orderings by least fill are quickest.
+_MUMPS: dict[str, Any] = {
+    "mumps_permuting_scaling": 0,
+    "mumps_scaling": 0,
+    "mumps_pivot_order": 2,
 }
 _WARM: dict[str, Any] = {
     "warm_start_init_point": "yes",
@@ -90,7 +98,7 @@ class _Callbacks:
     ) -> None:
         self._problem = problem
         self._stop = stop
-        self._rows, self._columns, self._slopes = problem.durations_jacobian()
+        self._rows, self._columns, self._slopes = problem.constraints_jacobian()
         self.accepted = start.copy()
         self.iterations = 0
         self.ipopt_mu = float(_DEFAULTS["mu_init"])
@@ -107,7 +115,7 @@ class _Callbacks:
         return self._problem.gradient(x)
 
     def constraints(self, x: FloatArray) -> FloatArray:
-        return self._problem.durations(x)
+        return self._problem.constraints(x)
 
     def jacobian(self, x: FloatArray) -> FloatArray:
         return self._slopes
@@ -174,7 +182,7 @@ def solve(
     problem.accept(start)
     callbacks = _Callbacks(problem, stop, start)
     limits = problem.limits
-    least, greatest = problem.durations_bounds()
+    least, greatest = problem.constraint_bounds()
     handle = cyipopt.Problem(
         n=problem.num_variables,
         m=len(least),
@@ -187,6 +195,8 @@ def solve(
     callbacks.handle = handle
     chosen = dict(_DEFAULTS, linear_solver=linear_solver, max_iter=max_iterations)
     chosen["obj_scaling_factor"] = objective_scale
+    if linear_solver == "mumps":
+        chosen |= _MUMPS
     if limited_memory:
         chosen["hessian_approximation"] = "limited-memory"
     if ipopt_mu is not None:
@@ -206,11 +216,13 @@ def solve(
         }
     )
     solution, info = handle.solve(start, **warm)
+    # Without this cycle the memory of Ipopt is given back at once.
+    callbacks.handle = None
     status = int(info["status"])
     if status == -12 or (status == -199 and callbacks.iterations == 0):
         raise SolverError(
-            f"Ipopt cannot use linear_solver '{linear_solver}' or one of the options in solver.ipopt; "
-            "the bundled Ipopt carries mumps"
+            f"Ipopt does not start with linear solver {linear_solver} and the options "
+            f"{dict(options)} of solver.ipopt"
         )
     solution = np.asarray(solution)
     if not np.isfinite(solution).all() or not np.isfinite(problem.value(solution)):

@@ -39,13 +39,15 @@ class Limits:
         least_duration: (S,) smallest t_{i+1} - t_i of every segment, s.
         guarded: (G,) segments whose least duration takes a constraint of its own.
         links: (L, 2) knots of one time.
+        greatest_share: (S,) largest part of the whole duration that a segment may last, inf for any.
     """
 
     lower: FloatArray
     upper: FloatArray
     least_duration: FloatArray
     guarded: IntArray
-    links: IntArray = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+    links: IntArray
+    greatest_share: FloatArray
 
 
 @dataclass
@@ -87,12 +89,15 @@ class Problem:
         self.hessian_rows, self.hessian_columns, self._place = _merged(
             rows, columns, self.num_variables
         )
+        self._linear()
         self._diagonal = np.flatnonzero(self.hessian_rows == self.hessian_columns)
         self._key: bytes | None = None
         self._value = np.inf
         self._gradient: FloatArray | None = None
         self._floor = 0.0
         self._slack_floor = 0.0
+        # Whether contacts have refused a step since the last iterate.
+        self._touched = False
 
     @property
     def num_variables(self) -> int:
@@ -109,13 +114,15 @@ class Problem:
 
         No step from it may use up nearly all its clearance: without this fraction-to-the-boundary rule
         a long step can land a hair's breadth from contact, where the barrier is too steep to ever leave
-        again. After short steps the Hessian is damped, as Levenberg and Marquardt do: it knows nothing of
-        how distances bend, and undamped its steps along contacts are far longer than it holds true.
+        again. After steps that contacts have cut short the Hessian is damped, as Levenberg and Marquardt
+        do: it knows nothing of how distances bend, and undamped its steps along contacts are far longer
+        than it holds true.
         """
-        if share < SHORT_STEP:
+        if share < SHORT_STEP and self._touched:
             self.damping = max(HARDER * self.damping, LEAST_DAMPING)
         elif share > LONG_STEP:
             self.damping = SOFTER * self.damping if self.damping > LEAST_DAMPING else 0.0
+        self._touched = False
         knots = x.reshape(-1, 3)
         least = self._least_clearance(knots)
         self._floor = CLEARANCE_KEPT * least if np.isfinite(least) else 0.0
@@ -151,20 +158,23 @@ class Problem:
         self._value = np.inf
         knots = x.reshape(-1, 3)
         if self._admissible(knots):
-            total = 0.0
-            for term in self.terms:
-                total += term.value(knots)
-                if not np.isfinite(total):
-                    break
-            if (
-                np.isfinite(total)
-                and self._least_clearance(knots) >= self._floor
-                and self._least_slack(knots) >= self._slack_floor
-            ):
-                self._value = total
+            self._value = self._sum(knots)
         if not np.isfinite(self._value):
             self.watch.refused += 1
         self.watch.objective += time.perf_counter() - started
+
+    def _sum(self, knots: FloatArray) -> float:
+        """All terms together, inf where one is undefined or uses up too much of its room."""
+        total = 0.0
+        for term in self.terms:
+            total += term.value(knots)
+            if not np.isfinite(total):
+                self._touched |= isinstance(term, ContactTerm)
+                return np.inf
+        if self._least_clearance(knots) < self._floor:
+            self._touched = True
+            return np.inf
+        return total if self._least_slack(knots) >= self._slack_floor else np.inf
 
     def _admissible(self, knots: FloatArray) -> bool:
         """Finite, with time running on: asked before any term may divide by a duration."""
@@ -193,29 +203,46 @@ class Problem:
         self.watch.hessians += 1
         return summed
 
-    def durations(self, x: FloatArray) -> FloatArray:
-        """(G + L,) t_{i+1} - t_i of guarded segments, then t_j - t_i of every link, s."""
-        head, tail = self._constrained()
-        knots = x.reshape(-1, 3)
-        return knots[tail, 2] - knots[head, 2]
+    def constraints(self, x: FloatArray) -> FloatArray:
+        """(G + L + E,) in s: t_{i+1} - t_i of guarded segments, t_j - t_i of links, and what limited
+        durations leave of their shares.
+        """
+        rows, columns, values = self._jacobian
+        return np.bincount(rows, values * x[columns], len(self._bounds[0])).astype(np.float64)
 
-    def durations_jacobian(self) -> tuple[IntArray, IntArray, FloatArray]:
-        """Rows, columns and (constant) values of the Jacobian of `durations`."""
-        head, tail = self._constrained()
-        rows = np.repeat(np.arange(len(head)), 2)
+    def constraints_jacobian(self) -> tuple[IntArray, IntArray, FloatArray]:
+        """Rows, columns and (constant) values of the Jacobian of `constraints`."""
+        return self._jacobian
+
+    def constraint_bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Least and greatest of `constraints`, s."""
+        return self._bounds
+
+    def _linear(self) -> None:
+        """Set up the linear constraints."""
+        limits, segment = self.limits, self.layout.segment
+        start, links = segment[limits.guarded], limits.links
+        even = np.flatnonzero(np.isfinite(limits.greatest_share))
+        agent, share = self.layout.agent_of_segment[even], limits.greatest_share[even]
+        head = np.concatenate([start, links[:, 0], segment[even] + 1, self.layout.first[agent]])
+        tail = np.concatenate([start + 1, links[:, 1], segment[even], self.layout.last[agent]])
+        num_plain = len(start) + len(links)
+        row = np.concatenate([np.arange(num_plain + len(even)), num_plain + np.arange(len(even))])
+        weight = np.concatenate([np.ones(num_plain + len(even)), share])
         columns = np.column_stack([3 * head + 2, 3 * tail + 2]).ravel()
-        return rows, columns, np.tile([-1.0, 1.0], len(head))
-
-    def durations_bounds(self) -> tuple[FloatArray, FloatArray]:
-        """(G + L,) least and greatest of `durations`, s."""
-        zeros = np.zeros(len(self.limits.links))
-        least = self.limits.least_duration[self.limits.guarded]
-        return np.concatenate([least, zeros]), np.concatenate([np.full(len(least), 2e19), zeros])
-
-    def _constrained(self) -> tuple[IntArray, IntArray]:
-        """Knots whose times are compared."""
-        start, links = self.layout.segment[self.limits.guarded], self.limits.links
-        return np.concatenate([start, links[:, 0]]), np.concatenate([start + 1, links[:, 1]])
+        # A segment at an end of its curve has an entry twice: they are added.
+        codes, place = np.unique(
+            np.repeat(row, 2) * self.num_variables + columns, return_inverse=True
+        )
+        values = np.bincount(place, np.column_stack([-weight, weight]).ravel(), len(codes))
+        rows, columns = np.divmod(codes, self.num_variables)
+        self._jacobian = (rows, columns, values.astype(np.float64))
+        none, same = np.full(len(start), 2e19), np.zeros(len(links))
+        least = limits.least_duration[limits.guarded]
+        self._bounds = (
+            np.concatenate([least, same, np.zeros(len(even))]),
+            np.concatenate([none, same, np.full(len(even), 2e19)]),
+        )
 
     def is_stale(self) -> bool:
         """Whether a felt interaction has no room in the Hessian's structure."""

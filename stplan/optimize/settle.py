@@ -20,6 +20,7 @@ from stplan.optimize.appointments import visit_knots
 from stplan.optimize.assembly import Assembly, Setting
 from stplan.optimize.continuation import build_setting
 from stplan.optimize.ipopt import Iteration, solve
+from stplan.optimize.linear_solvers import chosen_linear_solver
 from stplan.optimize.problem import Problem
 from stplan.scene.interactions import scene_meetings
 from stplan.scene.model import Agent, Scene
@@ -132,7 +133,7 @@ class _Rounds:
             problem,
             self.knots,
             max_iterations=ITERATIONS,
-            linear_solver=setting.scene.solver.linear_solver,
+            linear_solver=chosen_linear_solver(setting.scene),
             objective_scale=1.0 / (scales.energy * max(1.0, 0.01 * weight)),
             limited_memory=False,
             options={},

@@ -120,7 +120,7 @@ class SeedingFile(_Model):
         _SEEDING.margin, description="factor on distances while seeding, where there is room"
     )
     time_limit: Positive = Field(
-        _SEEDING.time_limit, description="how long to look for initial curves, s"
+        _SEEDING.time_limit, description="how long to look for initial curves, s of processor time"
     )
     rng_seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = Field(
         _SEEDING.rng_seed, description="seed of the random generator"
@@ -170,7 +170,7 @@ class SolverFile(_Model):
     )
     linear_solver: Annotated[
         str, Field(min_length=1, max_length=40, pattern=r"^[a-z][a-z0-9-]*$")
-    ] = Field(_SOLVER.linear_solver, description="Ipopt's linear solver")
+    ] = Field("mumps", description="Ipopt's linear solver; auto: the best it has")
     ipopt: Options = Field({}, description="further Ipopt options by name, passed on as they are")
 
 

@@ -147,7 +147,7 @@ class SolverSettings:
     clearance_model: Literal["contacts", "smooth-minimum"] = "contacts"
     barrier_range: float | None = None
     hessian: Literal["gauss-newton", "exact", "limited-memory"] = "gauss-newton"
-    linear_solver: str = "mumps"
+    linear_solver: str | None = "mumps"
     ipopt: Mapping[str, Any] = field(default_factory=dict)
 
 

@@ -13,7 +13,6 @@ from stplan.arrays import FloatArray, IntArray
 from stplan.seeding.layered import LayeredPlanner, exact_points
 from stplan.seeding.rod_kernels import rod_distance
 from stplan.seeding.rods import RodProblem
-from stplan.seeding.shortest_length import ShortestLengths
 from stplan.smooth_distance.segments import closest_parameters
 from stplan.world import cut_off_agents, widest_passage
 
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
     from stplan.world import FreeSpace
 
 Kind = Literal[
-    "start", "goal", "not connected", "late", "roadmap", "layers", "order", "blocked", "touching"
+    "start", "goal", "not connected", "roadmap", "layers", "order", "blocked", "touching"
 ]
 
 # So many touching pairs are described.
@@ -50,38 +49,13 @@ class Reason:
 
 
 def hopeless(problem: RodProblem, free_space: FreeSpace | None) -> tuple[Reason, ...]:
-    """Proven reasons: ends that touch, goals that cannot be reached, or not in time."""
+    """Proven reasons: ends that touch, goals that cannot be reached."""
     reasons = [*_touching_ends(problem)]
     for agent in not_connected(problem, free_space, problem.radii):
         place = (float(problem.starts[agent, 0]), float(problem.starts[agent, 1]))
         sentence = _too_narrow(problem, agent, free_space)
         reasons.append(Reason("not connected", (agent,), True, sentence, place))
-    if not reasons:
-        reasons = _too_slow(problem, free_space)
     return tuple(reasons)
-
-
-def _too_slow(problem: RodProblem, free_space: FreeSpace | None) -> list[Reason]:
-    """Agents whose shortest way takes longer at their speed limit than they have."""
-    reasons = []
-    lengths: dict[float, ShortestLengths] = {}
-    for agent in np.flatnonzero(np.isfinite(problem.max_speeds) & ~problem.fixed):
-        radius = float(problem.radii[agent]) if problem.heeds_walls[agent] else np.inf
-        if radius not in lengths:
-            space = free_space if problem.heeds_walls[agent] else None
-            lengths[radius] = ShortestLengths(space, radius)
-        stops = exact_points(problem)[agent]
-        length, speed = lengths[radius].through(stops), float(problem.max_speeds[agent])
-        given = float(problem.max_times[agent] - problem.start_times[agent])
-        if length > speed * given * (1.0 + 1e-9):
-            sentence = (
-                f"{problem.agent_ids[agent]}: its shortest way is at least {length:.4g} m long and "
-                f"takes {length / speed:.4g} s at its speed limit of {speed:g} m/s, but it has "
-                f"{given:g} s"
-            )
-            place = (float(stops[0, 0]), float(stops[0, 1]))
-            reasons.append(Reason("late", (int(agent),), True, sentence, place))
-    return reasons
 
 
 def not_connected(

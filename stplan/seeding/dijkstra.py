@@ -44,7 +44,7 @@ def dijkstra_curves(
     Uses `margin`, `layers`, `time_limit` and `rng_seed` of `settings`.
     """
     say = progress or (lambda line: None)
-    deadline = time.perf_counter() + settings.time_limit
+    deadline = time.thread_time() + settings.time_limit
     reasons = hopeless(problem, free_space)
     if reasons:
         return SearchResult(None, "", settings.margin, 0, reasons)
@@ -65,13 +65,13 @@ def dijkstra_curves(
                 continue
             say(f"Dijkstra: {roadmap.graph.num_vertices} vertices, {planner.grid.count} layers")
             curves, orders, failures = _in_orders(
-                planner, rng, lambda: time.perf_counter() > deadline
+                planner, rng, lambda: time.thread_time() > deadline
             )
             tries += orders
             if curves is not None and not verify(problem, curves, planner.required):
                 return SearchResult(curves, "dijkstra", margin, tries, ())
             reasons = no_order(problem, failures)
-            if time.perf_counter() > deadline:
+            if time.thread_time() > deadline:
                 return SearchResult(None, "", settings.margin, tries, reasons)
     return SearchResult(None, "", settings.margin, tries, reasons)
 

@@ -18,7 +18,9 @@ from stplan.arrays import FloatArray, IntArray
 from stplan.seeding.graph import Graph
 from stplan.seeding.layered import exact_points
 from stplan.seeding.roadmap import build_roadmap
+from stplan.seeding.rod_kernels import grid_arrays, shortest_shortcut
 from stplan.seeding.rods import RodProblem, requirement
+from stplan.smooth_distance.boundary_grid import BoundaryGrid
 
 if TYPE_CHECKING:
     from stplan.world import FreeSpace
@@ -57,7 +59,8 @@ def _geodesics(problem: RodProblem, free_space: FreeSpace | None) -> list[FloatA
         for agent, points in enumerate(stops)
     ]
     todo = [agent for agent, points in enumerate(stops) if ways[agent] is None and len(points) > 0]
-    if free_space is None:
+    boundary = problem.boundary
+    if free_space is None or boundary is None:
         return ways
     for margin in MARGINS:
         if not todo:
@@ -69,7 +72,7 @@ def _geodesics(problem: RodProblem, free_space: FreeSpace | None) -> list[FloatA
             radius = float(walls[agent])
             way = _shortest(roadmap.graph, place_of[agent], radius)
             if way is not None:
-                legs = [_taut(free_space, leg, radius) for leg in way]
+                legs = [_taut(boundary, leg, radius) for leg in way]
                 ways[agent] = np.vstack([legs[0], *(leg[1:] for leg in legs[1:])])
         todo = [agent for agent in todo if ways[agent] is None]
     return ways
@@ -95,11 +98,11 @@ def _shortest(graph: Graph, places: IntArray, radius: float) -> list[FloatArray]
     return legs
 
 
-def _taut(free_space: FreeSpace, way: FloatArray, radius: float) -> FloatArray:
+def _taut(walls: BoundaryGrid, way: FloatArray, radius: float) -> FloatArray:
     """`way` (n, 2) pulled taut, further than `radius` (m) from the walls."""
     length = _length(way)
     for _ in range(PULLS):
-        way = _shortcut(free_space, way, radius)
+        way = _shortcut(walls, way, radius)
         if len(way) <= 2:
             break
         shorter = _length(way)
@@ -107,33 +110,13 @@ def _taut(free_space: FreeSpace, way: FloatArray, radius: float) -> FloatArray:
             break
         length = shorter
         way = _cut(way, length / PIECES)
-    return _shortcut(free_space, way, radius)
+    return _shortcut(walls, way, radius)
 
 
-def _shortcut(free_space: FreeSpace, way: FloatArray, radius: float) -> FloatArray:
+def _shortcut(walls: BoundaryGrid, way: FloatArray, radius: float) -> FloatArray:
     """The shortest polyline over knots of `way`, of pieces of it and of clear straight lines."""
-    count = len(way)
-    if count <= 2:
-        return way
-    head, tail = np.triu_indices(count, 2)
-    room = free_space.segment_clearance(way[head], way[tail])
-    clear = np.zeros((count, count), dtype=bool)
-    clear[head, tail] = room > radius
-    clear[np.arange(count - 1), np.arange(1, count)] = True
-    least = np.full(count, np.inf)
-    least[0] = 0.0
-    before = np.zeros(count, dtype=np.int64)
-    for knot in range(1, count):
-        earlier = np.flatnonzero(clear[:knot, knot])
-        step = way[knot] - way[earlier]
-        total = least[earlier] + np.hypot(step[:, 0], step[:, 1])
-        # Of equals the longest straight line: fewer knots.
-        best = int(np.argmin(np.where(total <= total.min() * (1.0 + 1e-12), earlier, count)))
-        least[knot], before[knot] = total[best], earlier[best]
-    knots = [count - 1]
-    while knots[-1] > 0:
-        knots.append(int(before[knots[-1]]))
-    return way[knots[::-1]]
+    knots = shortest_shortcut(np.ascontiguousarray(way), radius, *grid_arrays(walls))
+    return way[knots]
 
 
 def _cut(way: FloatArray, step: float) -> FloatArray:

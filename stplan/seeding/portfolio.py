@@ -1,10 +1,10 @@
 """Initial curves by a portfolio of two families, each falling back on the other.
 
 In the open, relaxation: straight rods pushed apart, no search. In tight spaces, search on a roadmap.
-`method: auto` starts with relaxation where every agent's straight way is clear of the walls and with
-search elsewhere; pairs that relaxation leaves touching are repaired by search, and what search found is
-relaxed, because it queues more than it has to. `method: dijkstra` is the paper's own. Whatever found
-them, curves are polished, given their knots, and proven clear.
+`method: auto` starts with relaxation where every agent's straight way is clear of the walls or radii
+are many, and with search elsewhere; pairs that relaxation leaves touching are repaired by search, and
+what search found is relaxed, because it queues more than it has to. `method: dijkstra` is the paper's
+own. Whatever found them, curves are polished, given their knots, and proven clear.
 
 All parts share one time limit. Efforts are counted, so it never decides which curves are found, only
 whether any are.
@@ -37,6 +37,7 @@ from stplan.seeding.search import (
     search_curves,
 )
 from stplan.seeding.smoothing import smooth_curves
+from stplan.seeding.time_bounds import out_of_time
 from stplan.world import FreeSpace, build_seeding_mesh
 from stplan.world_lines import WorldLines
 
@@ -46,6 +47,8 @@ Progress = Callable[[str], None]
 RELAXATION_KNOTS = 40
 # Sweeps before search takes over: in tight places soon, in the open late.
 TIGHT_SWEEPS, OPEN_SWEEPS, MOST_SWEEPS = 400, 1500, 4000
+# Search needs a table of reservations for every radius: of more radii than this relaxation goes first.
+FEW_RADII = 3
 # Search repairs what relaxation left where no more than this part of the agents touch, or so many pairs.
 REPAIRED_PART, REPAIRED_PAIRS = 0.1, 4
 # Polish may take this part of the time limit over it.
@@ -84,7 +87,7 @@ class _Portfolio:
 
     def settings(self) -> SeedingSettings:
         """The scene's settings with the time that is left."""
-        left = max(self.deadline - time.perf_counter(), 0.0)
+        left = max(self.deadline - time.thread_time(), 0.0)
         return replace(self.scene.seeding, time_limit=left)
 
     def relax(self, max_sweeps: int) -> None:
@@ -161,7 +164,7 @@ class _Portfolio:
 
     def timed_out(self) -> bool:
         """Whether the time limit has struck."""
-        return time.perf_counter() > self.deadline
+        return time.thread_time() > self.deadline
 
 
 def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress) -> Seed:
@@ -171,12 +174,13 @@ def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress)
         SeedingError: none were found; the message says whom it concerns, and whether that is proven.
     """
     limit = scene.seeding.time_limit
-    deadline = time.perf_counter() + limit
+    deadline = time.thread_time() + limit
     problem = RodProblem.from_scene(scene, free_space)
     problem, meetings = with_meeting_places(problem, scene, free_space)
     sentences = [reason.sentence for reason in hopeless(problem, free_space)]
     if sentences:
         raise SeedingError("no collision-free curves exist: " + "\n  ".join(sentences))
+    _refuse_out_of_time(scene, free_space)
     portfolio = _Portfolio(scene, problem, free_space, progress, deadline)
     for part in _parts(portfolio):
         part()
@@ -205,7 +209,7 @@ def _prepared(portfolio: _Portfolio, deadline: float) -> list[FloatArray]:
     scene, problem = portfolio.scene, portfolio.problem
 
     def check() -> None:
-        if time.perf_counter() > deadline:
+        if time.thread_time() > deadline:
             raise SeedingError(
                 f"clear initial curves were found by {portfolio.found_by}, but not polished within "
                 f"{scene.seeding.time_limit:g} s; raise seeding.time_limit to go on"
@@ -222,6 +226,13 @@ def _prepared(portfolio: _Portfolio, deadline: float) -> list[FloatArray]:
     )
 
 
+def _refuse_out_of_time(scene: Scene, free_space: FreeSpace | None) -> None:
+    """Raise where it is proven that limits of motion leave someone too little time."""
+    sentences = out_of_time(scene, free_space)
+    if sentences:
+        raise SeedingError("no curves keep the limits of the scene: " + "\n  ".join(sentences))
+
+
 def _parts(portfolio: _Portfolio) -> list[Callable[[], None]]:
     """Parts of the portfolio in the order they are tried."""
     method = portfolio.scene.seeding.method
@@ -231,7 +242,8 @@ def _parts(portfolio: _Portfolio) -> list[Callable[[], None]]:
         return [lambda: portfolio.relax(MOST_SWEEPS)]
     if method == "search":
         return [lambda: portfolio.search(SOON_EFFORT, MOST_EFFORT)]
-    if _straight_ways_are_clear(portfolio.problem):
+    many_radii = len(np.unique(portfolio.problem.radii)) > FEW_RADII
+    if many_radii or _straight_ways_are_clear(portfolio.problem):
         return [
             lambda: portfolio.relax(OPEN_SWEEPS),
             lambda: portfolio.search(SOON_EFFORT, MOST_EFFORT),
@@ -245,6 +257,8 @@ def _parts(portfolio: _Portfolio) -> list[Callable[[], None]]:
 
 def _left_touching(problem: RodProblem, stuck: Sequence[tuple[int, int]]) -> str:
     """What relaxation could not part."""
+    if not stuck:
+        return "relaxation left agents too near the walls"
     names = ", ".join(f"{problem.agent_ids[a]} and {problem.agent_ids[b]}" for a, b in stuck[:5])
     return f"relaxation left {len(stuck)} pairs touching: {names}"
 

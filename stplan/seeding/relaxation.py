@@ -28,6 +28,8 @@ AIM = 1.015
 TENSION = 5.0
 TENSION_CROWDED = 50.0
 MOST_TENSION = 30.0
+# Rods grow to their full radius within so many sweeps: neighbours part gently, on the cheaper side.
+GROWING_SWEEPS = 20
 HELD_SWEEPS = 8
 DECAY = 0.97
 LEAST_TENSION = 0.005
@@ -89,7 +91,7 @@ def relax(
     strings start straight. The result depends on time only when `time_limit` strikes. `check` is called
     every sweep; what it raises ends the work.
     """
-    deadline = time.perf_counter() + time_limit
+    deadline = time.thread_time() + time_limit
     rng = np.random.default_rng(rng_seed)
     curves = initial_curves(problem, initial, num_knots, rng)
     relaxation = _Relaxation(problem, curves, _wanted(problem, curves, margin), rng)
@@ -106,7 +108,7 @@ def relax(
                 if not verify(problem, found, relaxation.required):
                     return RelaxationResult(found, True, sweeps, [], relaxation.retensions)
             relaxation.retension_if_stuck(stuck)
-        if time.perf_counter() > deadline:
+        if time.thread_time() > deadline:
             break
     return RelaxationResult(
         relaxation.strings.curves(problem), False, sweeps, stuck, relaxation.retensions
@@ -162,16 +164,18 @@ class _Relaxation:
     def sweep(self) -> None:
         """One sweep in random order; neighbours are listed anew when somebody has moved far."""
         strings = self.strings
+        grown = min(1.0, (self.sweeps + 1) / GROWING_SWEEPS)
         decayed = self.tension * DECAY ** np.maximum(self.age - HELD_SWEEPS, 0.0)
         moved = sweep_strings(
             self.rng.permutation(self.movable), strings.first_knot, strings.num_knots,
             strings.positions, self.reference, strings.hold, self.ceilings, self.rest_rises,
             np.maximum(decayed, LEAST_TENSION), self.problem.radii, self.sweeps > IDLE_SWEEPS,
             strings.segments, strings.agents, strings.first_segment, strings.num_moving,
-            self.rows, self.members, self.rod_target, self.share,
+            self.rows, self.members, grown * self.rod_target, self.share,
             self.wall_rows, self.wall_members, self.edges, self.wall_target, self.guarded,
         )  # fmt: skip
-        self.age += self.pace
+        if grown == 1.0:
+            self.age += self.pace
         self.sweeps += 1
         if moved > 0.5 * self.skin:
             self._adapt_skin()

@@ -9,7 +9,6 @@ their true distance to the walls, so that one graph serves every radius.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +17,8 @@ from scipy.spatial import Delaunay, QhullError, Voronoi, cKDTree
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.seeding.graph import Graph, make_graph
+from stplan.seeding.rod_kernels import grid_arrays, least_wall_distances
+from stplan.smooth_distance.boundary_grid import BoundaryGrid
 
 if TYPE_CHECKING:
     from stplan.world import FreeSpace, SeedingMesh
@@ -198,11 +199,12 @@ def _rings(area: shapely.Geometry) -> list[FloatArray]:
 
 def _along(ring: FloatArray, step: float) -> FloatArray:
     """Corners of a closed ring and points between them at most `step` (m) apart."""
-    pieces = []
-    for head, tail in pairwise(ring):
-        count = max(int(np.ceil(np.hypot(*(tail - head)) / step)), 1)
-        pieces.append(head + (tail - head) * (np.arange(count) / count)[:, None])
-    return np.vstack(pieces)
+    steps = np.diff(ring, axis=0)
+    counts = np.maximum(np.ceil(np.hypot(steps[:, 0], steps[:, 1]) / step), 1.0).astype(np.int64)
+    order = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    piece = np.repeat(np.arange(len(steps)), counts)
+    along: FloatArray = ring[piece] + steps[piece] * (order / counts[piece])[:, None]
+    return along
 
 
 def _ring_points(region: shapely.Geometry, radius: float, spacing: float) -> FloatArray:
@@ -245,11 +247,17 @@ def _centred(free_space: FreeSpace, points: FloatArray, reach: float) -> FloatAr
     away = points - (head + np.clip(along, 0.0, 1.0)[:, None] * (tail - head))
     away /= np.maximum(np.hypot(away[:, 0], away[:, 1]), 1e-12)[:, None]
     low, high = np.zeros(len(points)), np.full(len(points), reach)
+    grid = BoundaryGrid(segments)
+
+    def room(part: FloatArray) -> FloatArray:
+        moved = points + part[:, None] * away
+        # Moved by no more than the reach, nothing gets further off a wall than this.
+        return least_wall_distances(moved, moved, gap + 2.0 * reach, *grid_arrays(grid))
+
+    gap = float(_point_clearance(free_space, points).max())
     for _ in range(CENTRING_STEPS):
         first, second = low + (high - low) / 3, high - (high - low) / 3
-        rises = _point_clearance(free_space, points + first[:, None] * away) < _point_clearance(
-            free_space, points + second[:, None] * away
-        )
+        rises = room(first) < room(second)
         low, high = np.where(rises, first, low), np.where(rises, high, second)
     centred: FloatArray = points + ((low + high) / 2)[:, None] * away
     return centred

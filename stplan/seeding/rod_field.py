@@ -14,6 +14,7 @@ import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.compiled import kernel
+from stplan.seeding.rod_kernels import clear_of_walls
 from stplan.seeding.rods import STRICT, Requirement, RodProblem
 from stplan.seeding.strings import waypoint_knots
 from stplan.smooth_distance.segments import squared_distance
@@ -204,7 +205,10 @@ def enter(field: RodField, agent: int, p: FloatArray, q: FloatArray) -> None:
 @kernel
 def segment_clear(field: RodField, agent: int, p: FloatArray, q: FloatArray) -> bool:
     """Whether the segment p q would keep an agent's rod clear of all others and of the walls."""
-    if field.used[1] > 0 or not _clear_of_walls(field, agent, p, q):
+    if field.used[1] > 0 or not clear_of_walls(
+        p, q, field.walls[agent], field.edges, field.wall_origin, field.wall_cell,
+        field.wall_shape, field.wall_starts, field.wall_members,
+    ):  # fmt: skip
         return False
     field.clock[0] += 1
     now = field.clock[0]
@@ -263,36 +267,4 @@ def _clear_of_rod(field: RodField, other: int, p: FloatArray, q: FloatArray, gap
             p[0], p[1], p[2], q[0], q[1], q[2], x0, y0, z0, x1, y1, z1
         ) <= gap * gap:  # fmt: skip
             return False
-    return True
-
-
-@kernel
-def _clear_of_walls(field: RodField, agent: int, p: FloatArray, q: FloatArray) -> bool:
-    """Whether the plane segment p q is further from all edges than the agent has to keep."""
-    gap = field.walls[agent]
-    if gap <= 0.0 or len(field.edges) == 0:
-        return True
-    extent = max(abs(q[0] - p[0]), abs(q[1] - p[1]))
-    pieces = int(extent / field.wall_cell) + 1
-    for k in range(pieces):
-        x0, y0 = p[0] + (q[0] - p[0]) * (k / pieces), p[1] + (q[1] - p[1]) * (k / pieces)
-        x1 = p[0] + (q[0] - p[0]) * ((k + 1) / pieces)
-        y1 = p[1] + (q[1] - p[1]) * ((k + 1) / pieces)
-        west = (min(x0, x1) - gap - field.wall_origin[0]) / field.wall_cell
-        east = (max(x0, x1) + gap - field.wall_origin[0]) / field.wall_cell
-        south = (min(y0, y1) - gap - field.wall_origin[1]) / field.wall_cell
-        north = (max(y0, y1) + gap - field.wall_origin[1]) / field.wall_cell
-        for ix in range(
-            max(int(np.floor(west)), 0), min(int(np.floor(east)), field.wall_shape[0] - 1) + 1
-        ):
-            for iy in range(
-                max(int(np.floor(south)), 0), min(int(np.floor(north)), field.wall_shape[1] - 1) + 1
-            ):
-                cell = ix * field.wall_shape[1] + iy
-                for m in range(field.wall_starts[cell], field.wall_starts[cell + 1]):
-                    e = field.edges[field.wall_members[m]]
-                    if squared_distance(
-                        x0, y0, 0.0, x1, y1, 0.0, e[0], e[1], 0.0, e[2], e[3], 0.0
-                    ) <= gap * gap:  # fmt: skip
-                        return False
     return True

@@ -39,7 +39,6 @@ class RodProblem:
         start_times, max_times: (A,) in s.
         preferred_times: (A,) when an agent would like to arrive (s): its preferred time where that
             has weight, else `max_times`, because slow is cheap.
-        max_speeds: (A,) speed limits (m/s), inf without; seeding takes them for a proof only.
         radii, masses: (A,) in m and kg.
         stays: (A,) whether the rod goes on at the goal until `final_time` (s).
         time_scale: c in m/s.
@@ -57,7 +56,6 @@ class RodProblem:
     start_times: FloatArray
     max_times: FloatArray
     preferred_times: FloatArray
-    max_speeds: FloatArray
     radii: FloatArray
     masses: FloatArray
     stays: BoolArray
@@ -90,9 +88,6 @@ class RodProblem:
             start_times=np.array([agent.start_time for agent in agents], dtype=np.float64),
             max_times=max_times,
             preferred_times=np.array(preferred, dtype=np.float64),
-            max_speeds=np.array(
-                [np.inf if agent.max_speed is None else agent.max_speed for agent in agents]
-            ),
             radii=np.array([agent.radius for agent in agents], dtype=np.float64),
             masses=np.array([agent.mass for agent in agents], dtype=np.float64),
             stays=np.array([agent.after_arrival == "stay" for agent in agents], dtype=bool),

@@ -45,6 +45,10 @@ def read_flat_mesh(path: Path, up: str) -> tuple[FloatArray, IntArray]:
             raise ValueError("faces are missing")
     except SceneError as error:
         raise SceneError(f"{path.name} {error}") from error
+    except OSError as error:
+        raise SceneError(f"{path.name} cannot be read: {error.strerror or error}") from error
+    except MemoryError:
+        raise
     except Exception as error:  # a hostile file may raise anything at all inside the reader
         raise SceneError(
             f"{path.name} cannot be read: it is damaged, cut short or no {path.suffix} mesh"
@@ -132,7 +136,7 @@ def mesh_polygon(scene: Scene, base: MeshBase) -> shapely.Geometry:
         vertices, triangles = read_flat_mesh(base.path, base.up)
         try:
             return joined(vertices, triangles)
-        except (MemoryError, shapely.errors.GEOSException) as error:
+        except shapely.errors.GEOSException as error:
             raise SceneError(f"{base.path.name} has faces too tangled to be joined") from error
         except SceneError as error:
             raise SceneError(f"{base.path.name} {error}") from error

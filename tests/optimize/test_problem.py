@@ -14,7 +14,15 @@ from stplan.optimize.ipopt import solve
 from stplan.optimize.problem import Problem, Stopwatch
 from stplan.optimize.scales import derive_scales
 from stplan.scene.interactions import scene_interactions
-from stplan.scene.model import Agent, PairRule, Scene, SeedingSettings, SolverSettings, Weights
+from stplan.scene.model import (
+    Agent,
+    Meet,
+    PairRule,
+    Scene,
+    SeedingSettings,
+    SolverSettings,
+    Weights,
+)
 from tests.derivatives.checker import check_differences, check_not_vacuous, check_taylor_slopes
 from tests.derivatives.samples import CORNERS, EDGES, LAYOUT, OFFSETS, RADII, sample_knots
 
@@ -61,8 +69,19 @@ def sample_scene(**solver: object) -> Scene:
     )  # fmt: skip
 
 
-def sample_problem(**solver: object) -> Problem:
+def limited_scene(**solver: object) -> Scene:
+    """The same with limits of motion that the seed keeps, and a meeting."""
     scene = sample_scene(**solver)
+    agents = tuple(
+        replace(agent, max_speed=4.0, max_acceleration=9.0 if a else None)
+        for a, agent in enumerate(scene.agents)
+    )
+    meet = PairRule((0,), (2,), meet=Meet(9.0))
+    return replace(scene, agents=agents, pairs=(*scene.pairs, meet))
+
+
+def sample_problem(limited: bool = False, **solver: object) -> Problem:
+    scene = limited_scene(**solver) if limited else sample_scene(**solver)
     knots = sample_knots()
     interactions = scene_interactions(scene)
     appointments = find_appointments(scene, None, LAYOUT, knots)
@@ -104,13 +123,48 @@ def test_derivatives_of_the_assembled_lagrangian(model: str) -> None:
     check_not_vacuous(function, sample_knots())
     rng = np.random.default_rng(7)
     check_taylor_slopes(function, sample_knots(), 0.02 * rng.normal(size=(19, 3)))
-    rows, columns, values = problem.durations_jacobian()
+    rows, columns, values = problem.constraints_jacobian()
     # Constraints are linear: the Jacobian reproduces them and adds nothing to the Lagrangian's Hessian.
     x = sample_knots().ravel()
-    assert len(problem.durations(x)) == LAYOUT.num_segments[0]
+    assert len(problem.constraints(x)) == LAYOUT.num_segments[0]
     jacobian = np.zeros((LAYOUT.num_segments[0], problem.num_variables))
     jacobian[rows, columns] = values
-    assert jacobian @ x == pytest.approx(problem.durations(x))
+    assert jacobian @ x == pytest.approx(problem.constraints(x))
+
+
+def test_derivatives_with_limits_and_a_meeting() -> None:
+    problem = sample_problem(limited=True, hessian="exact")
+    names = {term.name for term in problem.terms}
+    assert names >= {"speed limit", "acceleration limit", "rest limit", "meeting"}
+    check_differences(_AsFunction(problem), sample_knots())
+    rows, columns, values = problem.constraints_jacobian()
+    # Agent 0 has guarded segments; the 5 and 6 of agents 1 and 2 are limited in their share.
+    segments = LAYOUT.num_segments[0]
+    jacobian = np.zeros((segments + 1 + 11, problem.num_variables))
+    jacobian[rows, columns] = values
+    assert len(set(zip(rows.tolist(), columns.tolist(), strict=True))) == len(rows)
+    x = sample_knots().ravel()
+    found = problem.constraints(x)
+    assert jacobian @ x == pytest.approx(found)
+    ((i, j),) = problem.limits.links
+    assert found[segments] == pytest.approx(x[3 * j + 2] - x[3 * i + 2])
+    own = sample_knots()[OFFSETS[1] : OFFSETS[2], 2]
+    shares = problem.limits.greatest_share[5:10]
+    assert found[segments + 1 : segments + 6] == pytest.approx(shares * np.ptp(own) - np.diff(own))
+    least, greatest = problem.constraint_bounds()
+    assert (least[segments], greatest[segments]) == (0.0, 0.0)
+    assert (least[:segments] > 0).all()
+    assert (found[segments + 1 :] > 0).all()
+
+
+def test_no_step_goes_past_a_limit() -> None:
+    problem = sample_problem(limited=True)
+    knots = sample_knots()
+    problem.accept(knots.ravel())
+    assert np.isfinite(problem.value(knots.ravel()))
+    hurried = knots.copy()
+    hurried[2, 2] = hurried[3, 2] - 0.1
+    assert problem.value(hurried.ravel()) == np.inf
 
 
 @pytest.mark.parametrize("model", ["contacts", "smooth-minimum"])

@@ -1,0 +1,90 @@
+"""The folder of a batch: who may write into it, and which of its runs are done."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from filelock import FileLock, Timeout
+
+from stplan.batch.runs import Run
+from stplan.errors import UsageError
+from stplan.files.json_file import read_json
+from stplan.files.run_folder import REPORT
+from stplan.files.seal import RUN_RECORD, broken_seal
+
+LOCK = ".stplan-batch.lock"
+
+
+@dataclass(frozen=True)
+class Found:
+    """What the folder of a run holds.
+
+    Attributes:
+        missing: why the run is to be planned (again); empty where it is done.
+        state: of a run that is done, "certified" or "failed".
+        report: what its report.json holds.
+        record: what its run.json holds.
+    """
+
+    missing: str
+    state: str = ""
+    report: dict[str, Any] = field(default_factory=dict)
+    record: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def done(self) -> bool:
+        """Planned from this very scene by this very program, to its end, with nothing lost."""
+        return not self.missing
+
+
+def found(run: Run, folder: Path) -> Found:
+    """What `folder` holds of `run`."""
+    missing = broken_seal(folder)
+    if missing:
+        return Found(missing)
+    try:
+        report, record = read_json(folder / REPORT), read_json(folder / RUN_RECORD)
+    except UsageError as error:
+        return Found(str(error))
+    scene = report.get("scene")
+    if not isinstance(scene, dict) or scene.get("hash") != run.content_hash:
+        return Found("the scene, its mesh or its settings have changed")
+    # Loaded late: where nothing is done yet, the workers alone need what plans.
+    from stplan.pipeline import EXIT_STATUS, versions
+
+    if report.get("versions") != versions():
+        return Found("planned by other versions")
+    status, certificate = report.get("status"), report.get("certificate")
+    holds = isinstance(certificate, dict) and certificate.get("holds") is True
+    exit_status = EXIT_STATUS.get(str(status), 130)
+    if exit_status == 130 or not holds:
+        return Found("it was interrupted")
+    return Found("", "failed" if exit_status else "certified", report, record)
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Hold `folder` (made if needed) for one batch; the system frees it even if that is killed.
+
+    Raises:
+        UsageError: another batch holds it, or it cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = FileLock(folder / LOCK, timeout=0)
+        lock.acquire()
+    except Timeout as error:
+        raise UsageError(
+            f"another batch is at work in {folder}; wait for its end, or choose another folder (-o)"
+        ) from error
+    except OSError as error:
+        raise UsageError(f"cannot write into {folder}: {error.strerror or error}") from error
+    try:
+        yield
+    finally:
+        with suppress(OSError):
+            lock.release()

@@ -1,0 +1,78 @@
+"""What a worker does with a run, in whatever process or machine it is. It writes nothing."""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Callable
+
+from stplan.batch.outcome import Outcome
+from stplan.batch.runs import Run
+from stplan.errors import OutOfMemoryError, SceneError, SeedingError, StplanError, as_stplan_error
+
+# A library that counts the cores would have every worker start as many threads.
+ONE_THREAD = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
+)
+
+
+def execute(run: Run, timeout: float | None, say: Callable[[str], None]) -> Outcome:
+    """Plan `run`; every way to fail is an outcome.
+
+    Args:
+        timeout: seconds after which the optimisation ends with the best trajectories so far.
+        say: called with a line of progress now and then.
+    """
+    started = time.monotonic()
+
+    def elapsed() -> float:
+        return time.monotonic() - started
+
+    try:
+        return _plan(run, timeout, say, elapsed)
+    except KeyboardInterrupt:
+        return Outcome("interrupted", ("interrupted before there was a result",), {}, elapsed())
+    except Exception as error:
+        known = as_stplan_error(error)
+        if known is None:
+            what = " ".join(f"{type(error).__name__}: {error}".split())
+            details = "".join(traceback.format_exception(error))
+            return Outcome("error", (f"internal error: {what}",), {}, elapsed(), details)
+        return Outcome(_state(known), tuple(str(known).splitlines()), {}, elapsed())
+
+
+def _plan(
+    run: Run, timeout: float | None, say: Callable[[str], None], elapsed: Callable[[], float]
+) -> Outcome:
+    from stplan.pipeline import plan, plan_files
+    from stplan.scene import parse_scene
+
+    scene = parse_scene(
+        run.text, source=run.source, directory=run.directory, overrides=run.overrides
+    )
+
+    def late() -> bool:
+        return timeout is not None and elapsed() > timeout
+
+    planned = plan(scene, progress=say, stop=late)
+    # As `solve` does: a run is checked later against the scene as it was planned.
+    planned.report["scene"]["overrides"] = list(run.overrides)
+    files = plan_files(planned)
+    messages = (planned.advice,) if planned.advice else ()
+    if planned.status != "interrupted":
+        return Outcome("failed" if planned.exit_status else "certified", messages, files, elapsed())
+    if late():
+        messages = (
+            f"stopped after {timeout:g} s (--timeout): these are the best feasible trajectories so far",
+        )
+    return Outcome("timeout" if late() else "interrupted", messages, files, elapsed())
+
+
+def _state(error: StplanError) -> str:
+    if isinstance(error, SeedingError):
+        return "no seed"
+    if isinstance(error, OutOfMemoryError):
+        return "out of memory"
+    if isinstance(error, SceneError) or error.exit_status == 2:
+        return "refused"
+    return "failed"

@@ -1,0 +1,77 @@
+"""How much memory there is, how much was used, and whether a scene can fit at all.
+
+What a plan needs grows with the knots (the contact list and the matrix made of it) and with the
+pairs of agents (one row of the certificate each). Both are known before anything is computed, and
+the least a knot and a pair can need is known from measurement: a scene that needs more than there is
+would be stopped by the system in the middle of its work, so it is refused at once.
+"""
+
+from __future__ import annotations
+
+import resource
+import sys
+from pathlib import Path
+
+from stplan.errors import SceneError
+
+MIB = 2**20
+# Agents have at least so many knots where the scene does not say how many.
+LEAST_KNOTS = 20
+# Bytes of the program and its compiled kernels; of a knot without any contact: its blocks in Ipopt's
+# matrix and their factors; of a pair of agents: its settings and its row of the certificate.
+PROGRAM = 200 * MIB
+A_KNOT = 6000
+A_PAIR = 600
+
+
+def least_need(agents: int, knots: int) -> int:
+    """Bytes that a plan of `agents` with `knots` in all needs at least."""
+    return PROGRAM + A_KNOT * knots + A_PAIR * (agents * (agents - 1) // 2)
+
+
+def require_memory(name: str, agents: int, knots: int) -> None:
+    """Refuse a scene that cannot fit.
+
+    Raises:
+        SceneError: it needs more memory than there is.
+    """
+    need, there = least_need(agents, knots), available()
+    if need > there:
+        raise SceneError(
+            f"{name}: needs at least {_amount(need)} of memory, and {_amount(there)} are available: "
+            f"{agents} agents make {agents * (agents - 1) // 2} pairs, and {knots} knots"
+        )
+
+
+def _amount(size: float) -> str:
+    return f"{size / 2**30:.1f} GiB"
+
+
+def peak() -> int:
+    """The most resident memory this process has had, in bytes."""
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return most if sys.platform == "darwin" else 1024 * most
+
+
+def available() -> float:
+    """Bytes this process may have: what the system, its container and its own limit leave."""
+    own, _ = resource.getrlimit(resource.RLIMIT_AS)
+    own_limit = float("inf") if own == resource.RLIM_INFINITY else float(own)
+    return min(
+        own_limit, _system(Path("/proc/meminfo")), _container(Path("/sys/fs/cgroup/memory.max"))
+    )
+
+
+def _system(table: Path) -> float:
+    """MemAvailable of the table that Linux keeps, infinite where there is none."""
+    if not table.exists():
+        return float("inf")
+    rows = (line.partition(":") for line in table.read_text(encoding="ascii").splitlines())
+    amounts = {key: amount.split()[0] for key, _, amount in rows}
+    return 1024.0 * float(amounts.get("MemAvailable", "inf"))
+
+
+def _container(limit: Path) -> float:
+    """The limit of the control group this process is in, infinite where it has none."""
+    text = limit.read_text(encoding="ascii").strip() if limit.exists() else "max"
+    return float("inf") if text == "max" else float(text)

@@ -1,0 +1,21 @@
+"""Memory of Ipopt is given back."""
+
+from __future__ import annotations
+
+import gc
+
+import cyipopt
+
+from stplan.bench.families_open import circle
+from stplan.pipeline import plan
+
+
+def test_nothing_of_ipopt_is_left_once_a_scene_is_planned():
+    gc.collect()
+    gc.disable()
+    try:
+        plan(circle(3, 3.0, 10.0))
+        left = [one for one in gc.get_objects() if isinstance(one, cyipopt.Problem)]
+    finally:
+        gc.enable()
+    assert left == []
