@@ -52,7 +52,7 @@ Exit status:
   1    diff found a difference; check or explain found a violation
   2    the command line or a scene is wrong
   3    no collision-free initial curves were found
-  4    the solver failed; the best feasible trajectories were still written
+  4    the solver failed; the best feasible trajectories were still written; or memory ran out
   5    internal error
   130  interrupted; the best feasible trajectories so far were written
 

@@ -136,7 +136,7 @@ def mesh_polygon(scene: Scene, base: MeshBase) -> shapely.Geometry:
         vertices, triangles = read_flat_mesh(base.path, base.up)
         try:
             return joined(vertices, triangles)
-        except (MemoryError, shapely.errors.GEOSException) as error:
+        except shapely.errors.GEOSException as error:
             raise SceneError(f"{base.path.name} has faces too tangled to be joined") from error
         except SceneError as error:
             raise SceneError(f"{base.path.name} {error}") from error
