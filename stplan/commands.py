@@ -191,14 +191,11 @@ def explain(
     from stplan.explain.run import explain_run
     from stplan.explain.scene import explain_scene
     from stplan.files.run_folder import report_of
-    from stplan.world import build_free_space, check_scene_in_world
+    from stplan.world import fitted_free_space
 
     if changed:
         console.progress(f"note: {scene.source} is not as it was when this run was planned")
-    free_space = build_free_space(scene)
-    faults = check_scene_in_world(scene, free_space)
-    if faults:
-        raise SceneError(faults)
+    free_space = fitted_free_space(scene)
     if lines is None:
         explanation, plannable = explain_scene(
             scene, free_space, time_limit=time_limit, progress=console.progress
@@ -244,9 +241,9 @@ def validate_scenes(console: Console, paths: Sequence[Path], overrides: Sequence
         records.append(record)
         try:
             scene = _load(path, overrides)
-            from stplan.pipeline import validate as validate_in_world
+            from stplan.world import fitted_free_space
 
-            validate_in_world(scene)
+            fitted_free_space(scene)
         except Exception as error:
             _note_failure(console, record, error)
         else:

@@ -19,7 +19,7 @@ from typing import Any
 from stplan.certify.certificate import Certificate, certify
 from stplan.certify.metrics import metrics
 from stplan.compiled import compiled_before
-from stplan.errors import SceneError, SeedingError
+from stplan.errors import SeedingError
 from stplan.files.atomic import write_set
 from stplan.files.json_file import json_bytes
 from stplan.files.run_folder import REPORT
@@ -34,7 +34,7 @@ from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Seed
 from stplan.smooth_distance.segments import squared_distance
 from stplan.starts import best_seed
-from stplan.world import FreeSpace, build_free_space, check_scene_in_world
+from stplan.world import FreeSpace, build_free_space, fitted_free_space
 from stplan.world_lines import WorldLines
 
 Progress = Callable[[str], None]
@@ -141,11 +141,6 @@ def seed(scene: Scene, *, progress: Progress | None = None) -> Plan:
     return Plan(scene, found.world_lines, None, certificate, report, _run(clock), "seeded", "", 0)
 
 
-def validate(scene: Scene) -> None:
-    """Check a scene against its map without solving it; raises SceneError with every fault."""
-    _world(scene)
-
-
 def check(scene: Scene, lines: WorldLines) -> Certificate:
     """The certificate of any trajectories against `scene`. Raises SceneError for a bad map."""
     return certify(scene, build_free_space(scene), lines)
@@ -165,20 +160,12 @@ def plan_files(result: Plan) -> dict[str, bytes]:
     return contents | {RUN_RECORD: json_bytes(result.run | {KEY: seal(contents)})}
 
 
-def _world(scene: Scene) -> FreeSpace | None:
-    free_space = build_free_space(scene)
-    faults = check_scene_in_world(scene, free_space)
-    if faults:
-        raise SceneError(faults)
-    return free_space
-
-
 def _seeded(
     scene: Scene, say: Progress, clock: _Clock
 ) -> tuple[FreeSpace | None, Seed, Certificate]:
     count = len(scene.agents)
     require_memory(scene.name, count, count * (scene.solver.knots or LEAST_KNOTS))
-    free_space = _world(scene)
+    free_space = fitted_free_space(scene)
     clock.lap("world")
     if not compiled_before(squared_distance):
         say("compiling, once after installation: this takes about a quarter of a minute")

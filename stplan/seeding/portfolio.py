@@ -12,7 +12,6 @@ whether any are.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -20,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.compiled import working_time
 from stplan.errors import SeedingError
 from stplan.scene.model import Scene, SeedingSettings
 from stplan.seeding.diagnosis import hopeless
@@ -87,7 +87,7 @@ class _Portfolio:
 
     def settings(self) -> SeedingSettings:
         """The scene's settings with the time that is left."""
-        left = max(self.deadline - time.thread_time(), 0.0)
+        left = max(self.deadline - working_time(), 0.0)
         return replace(self.scene.seeding, time_limit=left)
 
     def relax(self, max_sweeps: int) -> None:
@@ -164,7 +164,7 @@ class _Portfolio:
 
     def timed_out(self) -> bool:
         """Whether the time limit has struck."""
-        return time.thread_time() > self.deadline
+        return working_time() > self.deadline
 
 
 def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress) -> Seed:
@@ -174,7 +174,7 @@ def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress)
         SeedingError: none were found; the message says whom it concerns, and whether that is proven.
     """
     limit = scene.seeding.time_limit
-    deadline = time.thread_time() + limit
+    deadline = working_time() + limit
     problem = RodProblem.from_scene(scene, free_space)
     problem, meetings = with_meeting_places(problem, scene, free_space)
     sentences = [reason.sentence for reason in hopeless(problem, free_space)]
@@ -209,7 +209,7 @@ def _prepared(portfolio: _Portfolio, deadline: float) -> list[FloatArray]:
     scene, problem = portfolio.scene, portfolio.problem
 
     def check() -> None:
-        if time.thread_time() > deadline:
+        if working_time() > deadline:
             raise SeedingError(
                 f"clear initial curves were found by {portfolio.found_by}, but not polished within "
                 f"{scene.seeding.time_limit:g} s; raise seeding.time_limit to go on"

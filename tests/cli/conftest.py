@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 import stplan.scene
+import stplan.world
 from stplan.cli import main
 from stplan.errors import SceneError
 from stplan.files.json_file import json_bytes
@@ -115,9 +116,12 @@ def stage(monkeypatch, tmp_path) -> Stage:
     pipeline: Any = ModuleType("stplan.pipeline")
     pipeline.plan = pipeline.seed = acting.plan
     pipeline.write_plan = acting.write_plan
-    pipeline.validate = lambda scene: acting.plan(scene, progress=lambda line: None)
     pipeline.check = lambda scene, lines: acting.certificate()
     monkeypatch.setitem(sys.modules, "stplan.pipeline", pipeline)
+    monkeypatch.setattr(
+        stplan.world, "fitted_free_space",
+        lambda scene: acting.plan(scene, progress=lambda line: None), raising=False,
+    )  # fmt: skip
     monkeypatch.setattr(stplan.scene, "load_scene", acting.load_scene, raising=False)
     monkeypatch.chdir(tmp_path)
     for name in ("one", "two", "three"):

@@ -62,7 +62,7 @@ def test_the_program_is_explained(run):
     ("words", "expected"),
     [
         ("stplan s", {"solve", "seed", "schema"}),
-        ("stplan ex", {"explain"}),
+        ("stplan ex", {"explain", "export"}),
         ("stplan diff --fo", {"--format"}),
         ("stplan diff a b --format m", {"markdown"}),
     ],
