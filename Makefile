@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 DEMO := scenes/bottleneck/bottleneck.yaml
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench format clean
+.PHONY: help demo test claims check bench gallery page format clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -18,6 +18,9 @@ demo: $(VENV)/.installed ## plan five walkers through one gap, and say where the
 
 test: $(VENV)/.installed-dev ## run the tests
 	@$(BIN)/python -m pytest
+
+claims: $(VENV)/.installed-dev ## plan every scene, large ones too, assert the paper's claims, write docs/claims.md
+	@$(BIN)/python -m pytest -m "claims or not claims" tests/scenes tests/claims --figures docs/claims.md
 
 check: $(VENV)/.installed-dev ## format, lint, types, layers, then the tests: what CI runs
 	$(BIN)/ruff format --check .
@@ -33,8 +36,15 @@ format: $(VENV)/.installed-dev ## format the sources and fix what the linter can
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
+gallery: $(VENV)/.installed-dev ## plan and draw every scene: docs/gallery and the pictures of README
+	$(BIN)/python docs/make_gallery.py
+
+page: ## build the page of `stplan view` from its sources; needs node and npm
+	cd stplan/viewing/page && npm ci --silent && npm run --silent build
+
 clean: ## remove the virtual environment, caches and outputs
 	rm -rf $(VENV) build dist *.egg-info
+	rm -rf stplan/viewing/page/node_modules
 	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 	find outputs -mindepth 1 ! -name .gitkeep -delete
 	find stplan tests -name __pycache__ -prune -exec rm -rf {} +

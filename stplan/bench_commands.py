@@ -131,3 +131,19 @@ def bench_all(console: Console, output: Path, *, full: bool) -> int:
     bench_rival(console, output, None, full=full)
     bench_seeding(console, output, None, [], None, full=full)
     return bench_convergence(console, output, [], [], None, full=full)
+
+
+def bench_comparison(console: Console, output: Path, scenes: Path, only: Sequence[str]) -> int:
+    """Set the planner beside its rivals."""
+    from stplan.bench import comparison
+    from stplan.bench.comparison_table import csv_text, markdown_text
+    from stplan.files.atomic import write_set
+
+    names = [name.strip() for name in only if name.strip()]
+    outcomes = comparison.compare_planners(scenes, names, progress=console.progress)
+    text = markdown_text(outcomes)
+    contents = {"comparison.csv": csv_text(outcomes).encode(), "comparison.md": text.encode()}
+    files = write_set(output, contents)
+    console.progress(f"wrote {' and '.join(map(str, files))}")
+    console.result(text.rstrip())
+    return 0

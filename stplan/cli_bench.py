@@ -11,6 +11,7 @@ import typer
 from stplan.bench_commands import (
     bench_all,
     bench_batch,
+    bench_comparison,
     bench_convergence,
     bench_figures,
     bench_rival,
@@ -63,6 +64,33 @@ def benchmarks(serve: Serve) -> typer.Typer:
         serve(quiet, verbose, False, lambda console: bench_all(console, output, full=full))
 
     @app.command()
+    def comparison(
+        *,
+        output: Output = FOLDER,
+        scenes: Annotated[
+            Path, typer.Option(metavar="DIR", help="Where the scenes of the comparison are.")
+        ] = Path("scenes/comparison"),
+        only: Annotated[str, typer.Option(metavar="A,B", help="Only these scenes.")] = "",
+        quiet: Quiet = False,
+        verbose: Verbose = False,
+    ) -> None:
+        """Set the planner beside its rivals, as fast as agents can go.
+
+        Writes comparison.csv and comparison.md: makespans, accelerations and clearances of this
+        planner and of those that are installed of RVO2, JuPedSim, OMPL and CasADi
+        (pip install 'stplan[rivals]').
+
+        \b
+        Examples:
+          stplan bench comparison
+          stplan bench comparison --only gap,lane -o outputs/bench
+        """
+        serve(
+            quiet, verbose, False,
+            lambda console: bench_comparison(console, output, scenes, only.split(",")),
+        )  # fmt: skip
+
+    @app.command()
     def figures(
         *,
         output: Output = FOLDER,
@@ -73,7 +101,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:
-        """Measure the figures the planner is held to.
+        """Whole plans beside what is asked of them.
 
         Time, cost, clearance and memory of planning generated scenes, beside what is asked of them.
 
@@ -93,7 +121,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         *, output: Output = FOLDER, full: Full = False, quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:  # fmt: skip
-        """Measure how the time of an iteration grows with agents.
+        """Time of an iteration over agents.
 
         Flows of random agents cross, at constant density.
 
@@ -111,7 +139,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         *, output: Output = FOLDER, full: Full = False, quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:  # fmt: skip
-        """Measure how the time of an iteration grows with knots per agent.
+        """Time of an iteration over knots per agent.
 
         \b
         Example:
@@ -127,7 +155,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         *, output: Output = FOLDER, full: Full = False, quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:  # fmt: skip
-        """Measure how the time of an iteration grows with edges of walls.
+        """Time of an iteration over edges of walls.
 
         Three agents in a maze between hedges that are drawn more and more finely.
 
@@ -159,7 +187,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:
-        """Measure how fast variants of the optimiser come near the best cost.
+        """Variants of the optimiser on whole scenes.
 
         Iterations and time to 1 % and 0.1 % of the best cost, clearance, failures.
 
@@ -180,7 +208,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         *, output: Output = FOLDER, time_limit: TimeLimit = None, full: Full = False,
         quiet: Quiet = False, verbose: Verbose = False,
     ) -> None:  # fmt: skip
-        """Measure against CasADi and Ipopt on a common grid of times.
+        """Against CasADi and Ipopt on a common time grid.
 
         The rival's distances are enlarged until its result is clear at every instant.
 
@@ -230,7 +258,7 @@ def benchmarks(serve: Serve) -> typer.Typer:
         quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:
-        """Measure how often and how fast seeds are found.
+        """How often and how fast seeds are found.
 
         Writes seeding.csv, a row a draw, and seeding.md, a row a family.
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from stplan.batch.runs import Run
     from stplan.pipeline import Plan
     from stplan.scene.model import Scene
+    from stplan.world_lines import WorldLines
 
 
 def _load(path: Path, overrides: Sequence[str]) -> Scene:
@@ -94,7 +95,11 @@ def _plan_one(
     def progress(line: str) -> None:
         console.progress(prefix + line)
 
-    planned = (seed if seed_only else plan)(scene, progress=progress)
+    if seed_only:
+        planned = seed(scene, progress=progress)
+    else:
+        with console.live_line(prefix) as live:
+            planned = plan(scene, progress=progress, live=live)
     # A run is checked later against the scene as it was planned, overrides and all.
     planned.report.get("scene", {})["overrides"] = list(overrides)
     with uninterrupted():
@@ -133,27 +138,32 @@ def _note_failure(
     record |= {"exit_status": status, "status": "error", "messages": messages}
 
 
+def _scene_and_lines(
+    command: str, run_or_scene: Path, trajectories: Path | None, overrides: Sequence[str]
+) -> tuple[Scene, WorldLines | None, bool]:
+    """A scene, the trajectories named with it or those of its run, and whether it changed since."""
+    from stplan.files.run_folder import recorded_scene
+    from stplan.files.trajectories import read_trajectories
+
+    if not run_or_scene.is_dir():
+        scene = _load(run_or_scene, overrides)
+        return scene, None if trajectories is None else read_trajectories(trajectories), False
+    recorded = recorded_scene(run_or_scene, command)
+    scene = _load(recorded.source, [*recorded.overrides, *overrides])
+    changed = recorded.content_hash not in (None, scene.content_hash)
+    return scene, read_trajectories(trajectories or run_or_scene), changed
+
+
 def check_trajectories(
     console: Console, run_or_scene: Path, trajectories: Path | None, overrides: Sequence[str]
 ) -> int:
     """Certify trajectories against the scene of a run, or against any scene."""
-    from stplan.files.run_folder import recorded_scene
-    from stplan.files.trajectories import read_trajectories
-
-    changed = False
-    if run_or_scene.is_dir():
-        recorded = recorded_scene(run_or_scene)
-        scene = _load(recorded.source, [*recorded.overrides, *overrides])
-        changed = recorded.content_hash not in (None, scene.content_hash)
-        lines = read_trajectories(trajectories or run_or_scene)
-    else:
-        scene = _load(run_or_scene, overrides)
-        if trajectories is None:
-            raise UsageError(
-                f"{run_or_scene} is not the folder of a run, so name the trajectories too: "
-                f"stplan check {run_or_scene} TRAJECTORIES"
-            )
-        lines = read_trajectories(trajectories)
+    scene, lines, changed = _scene_and_lines("check", run_or_scene, trajectories, overrides)
+    if lines is None:
+        raise UsageError(
+            f"{run_or_scene} is not the folder of a run, so name the trajectories too: "
+            f"stplan check {run_or_scene} TRAJECTORIES"
+        )
     from stplan.pipeline import check as certify
 
     certificate = certify(scene, lines)
@@ -165,19 +175,60 @@ def check_trajectories(
     return status
 
 
-def compare(console: Console, a: Path, b: Path, atol: float, rtol: float) -> int:
-    """Say where two sets of trajectories differ."""
+def explain(
+    console: Console,
+    run_or_scene: Path,
+    trajectories: Path | None,
+    overrides: Sequence[str],
+    time_limit: float,
+    *,
+    everything: bool,
+) -> int:
+    """Say in words what a run, any trajectories, or a scene by itself look like."""
+    if not (math.isfinite(time_limit) and time_limit >= 0):
+        raise UsageError(f"--time-limit is {time_limit}; expected a finite number, at least 0")
+    scene, lines, changed = _scene_and_lines("explain", run_or_scene, trajectories, overrides)
+    from stplan.explain.run import explain_run
+    from stplan.explain.scene import explain_scene
+    from stplan.files.run_folder import report_of
+    from stplan.world import fitted_free_space
+
+    if changed:
+        console.progress(f"note: {scene.source} is not as it was when this run was planned")
+    free_space = fitted_free_space(scene)
+    if lines is None:
+        explanation, plannable = explain_scene(
+            scene, free_space, time_limit=time_limit, progress=console.progress
+        )
+        status = 0 if plannable else 3
+    else:
+        report = None if trajectories else report_of(run_or_scene)
+        explanation, certificate = explain_run(scene, free_space, lines, report)
+        status = 0 if certificate.holds else 1
+    console.result(*explanation.lines(everything=everything))
+    console.result_json({"exit_status": status, **explanation.as_dict()})
+    return status
+
+
+def compare(
+    console: Console, a: Path, b: Path, atol: float, rtol: float, *, markdown: bool = False
+) -> int:
+    """Say where two runs, or two folders of runs, differ."""
     for name, value in (("--atol", atol), ("--rtol", rtol)):
         if not (math.isfinite(value) and value >= 0):
             raise UsageError(f"{name} is {value}; expected a finite number, at least 0")
-    from stplan.files.compare import compare_trajectories
-    from stplan.files.trajectories import read_trajectories
+    from stplan.files.compare_markdown import markdown_lines
+    from stplan.files.compare_runs import RunDifference, compare_runs
 
-    difference = compare_trajectories(read_trajectories(a), read_trajectories(b), atol, rtol)
+    difference = compare_runs(a, b, atol, rtol)
     status = 0 if difference.equal else 1
-    console.result(*difference.lines())
-    if console.verbose and difference.equal:
-        console.result(*(agent.sentence() for agent in difference.agents))
+    console.result(*(markdown_lines(difference) if markdown else difference.lines()))
+    if console.verbose and not markdown:
+        runs = (difference,) if isinstance(difference, RunDifference) else difference.runs
+        for run in runs:
+            if run.equal:
+                prefix = f"{run.run}: " if run.run else ""
+                console.result(*(prefix + agent.sentence() for agent in run.trajectories.agents))
     console.result_json({"exit_status": status, **difference.as_dict()})
     return status
 
@@ -190,9 +241,9 @@ def validate_scenes(console: Console, paths: Sequence[Path], overrides: Sequence
         records.append(record)
         try:
             scene = _load(path, overrides)
-            from stplan.pipeline import validate as validate_in_world
+            from stplan.world import fitted_free_space
 
-            validate_in_world(scene)
+            fitted_free_space(scene)
         except Exception as error:
             _note_failure(console, record, error)
         else:

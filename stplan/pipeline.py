@@ -19,14 +19,14 @@ from typing import Any
 from stplan.certify.certificate import Certificate, certify
 from stplan.certify.metrics import metrics
 from stplan.compiled import compiled_before
-from stplan.errors import SceneError, SeedingError
+from stplan.errors import SeedingError
 from stplan.files.atomic import write_set
 from stplan.files.json_file import json_bytes
 from stplan.files.run_folder import REPORT
 from stplan.files.seal import KEY, RUN_RECORD, seal
 from stplan.files.trajectories import curve_files
 from stplan.memory import LEAST_KNOTS, MIB, peak, require_memory
-from stplan.optimize.continuation import Optimisation, optimise
+from stplan.optimize.continuation import LiveLine, Optimisation, optimise
 from stplan.optimize.ipopt import versions as ipopt_versions
 from stplan.optimize.linear_solvers import chosen_linear_solver
 from stplan.optimize.settle import settle
@@ -34,7 +34,7 @@ from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Seed
 from stplan.smooth_distance.segments import squared_distance
 from stplan.starts import best_seed
-from stplan.world import FreeSpace, build_free_space, check_scene_in_world
+from stplan.world import FreeSpace, build_free_space, fitted_free_space
 from stplan.world_lines import WorldLines
 
 Progress = Callable[[str], None]
@@ -92,10 +92,12 @@ def plan(
     scene: Scene,
     *,
     progress: Progress | None = None,
+    live: LiveLine | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> Plan:
     """Plan `scene`: find a seed, optimise it, certify the result.
 
+    While optimising, `live` is given a maker of a progress line after every iteration of Ipopt.
     Interrupted (SIGINT, SIGTERM) while optimising, it returns the best feasible curves so far; so it
     does when `stop`, asked after every iteration, returns True.
 
@@ -111,7 +113,7 @@ def plan(
     free_space, seed, seed_certificate = _seeded(scene, say, clock)
     with _interruptible() as interrupted:
         outcome = optimise(
-            scene, free_space, seed.world_lines, progress=say,
+            scene, free_space, seed.world_lines, progress=say, live=live,
             interrupted=lambda: interrupted() or (stop is not None and stop()),
         )  # fmt: skip
     clock.lap("optimise")
@@ -139,11 +141,6 @@ def seed(scene: Scene, *, progress: Progress | None = None) -> Plan:
     return Plan(scene, found.world_lines, None, certificate, report, _run(clock), "seeded", "", 0)
 
 
-def validate(scene: Scene) -> None:
-    """Check a scene against its map without solving it; raises SceneError with every fault."""
-    _world(scene)
-
-
 def check(scene: Scene, lines: WorldLines) -> Certificate:
     """The certificate of any trajectories against `scene`. Raises SceneError for a bad map."""
     return certify(scene, build_free_space(scene), lines)
@@ -163,20 +160,12 @@ def plan_files(result: Plan) -> dict[str, bytes]:
     return contents | {RUN_RECORD: json_bytes(result.run | {KEY: seal(contents)})}
 
 
-def _world(scene: Scene) -> FreeSpace | None:
-    free_space = build_free_space(scene)
-    faults = check_scene_in_world(scene, free_space)
-    if faults:
-        raise SceneError(faults)
-    return free_space
-
-
 def _seeded(
     scene: Scene, say: Progress, clock: _Clock
 ) -> tuple[FreeSpace | None, Seed, Certificate]:
     count = len(scene.agents)
     require_memory(scene.name, count, count * (scene.solver.knots or LEAST_KNOTS))
-    free_space = _world(scene)
+    free_space = fitted_free_space(scene)
     clock.lap("world")
     if not compiled_before(squared_distance):
         say("compiling, once after installation: this takes about a quarter of a minute")

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 import tempfile
 import time
 import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -14,10 +17,16 @@ from stplan.errors import UsageError, as_stplan_error
 from stplan.files.json_file import json_bytes
 
 if TYPE_CHECKING:
+    from rich.console import Console as Terminal
+    from rich.live import Live
+    from rich.text import Text
+
     from stplan.pipeline import Plan
 
 # The worst of several scenes is the command's: a bug, a broken command line or scene, ...
 _WORST_FIRST = (5, 130, 2, 3, 4, 1, 0)
+
+_REDRAW_SECONDS = 0.1
 
 
 def worst(statuses: list[int]) -> int:
@@ -41,6 +50,7 @@ class Console:
         self.verbose = verbose
         self.as_json = as_json
         self._started = time.monotonic()
+        self._live: Live | None = None
 
     def result(self, *lines: str) -> None:
         """Text on stdout, unless --quiet or --json."""
@@ -53,15 +63,64 @@ class Console:
             write(sys.stdout, json_bytes(content).decode())
 
     def progress(self, line: str) -> None:
-        """A line on stderr, unless --quiet."""
-        if not self.quiet:
+        """A line on stderr, unless --quiet; above the live line, and with its time, where there is one."""
+        if self._live is not None:
+            self._live.update("")
+            self._live.console.print(self._timed(line))
+        elif not self.quiet:
             seconds = f"[{time.monotonic() - self._started:7.2f} s] " if self.verbose else ""
             write(sys.stderr, f"{seconds}{line}\n")
+
+    @contextmanager
+    def live_line(self, prefix: str = "") -> Iterator[Callable[[Callable[[], str]], None] | None]:
+        """A line at the foot of the terminal that is drawn anew with what happens.
+
+        Gives a function to call with a maker of the line, which is called in turn as often as a reader
+        can follow; or None where stderr is no terminal, or with --quiet: there is nobody to read it.
+        """
+        terminal = None if self.quiet else _terminal()
+        if terminal is None:
+            yield None
+            return
+        from rich.live import Live
+
+        drawn = -math.inf
+
+        def draw(make: Callable[[], str]) -> None:
+            nonlocal drawn
+            now = time.monotonic()
+            if now - drawn >= _REDRAW_SECONDS:
+                drawn = now
+                live.update(self._timed(prefix + make()), refresh=True)
+
+        with Live(console=terminal, auto_refresh=False, transient=True) as live:
+            self._live = live
+            try:
+                yield draw
+            finally:
+                self._live = None
+
+    def _timed(self, line: str) -> Text:
+        """A line headed by the seconds since the start, whatever letters it is made of."""
+        from rich.text import Text
+
+        seconds = f"{time.monotonic() - self._started:6.1f} s  "
+        return Text.assemble((seconds, "dim"), line)
 
     def error(self, *lines: str) -> None:
         """What went wrong, on stderr, always."""
         if lines:
             write(sys.stderr, "\n".join(lines) + "\n")
+
+
+def _terminal() -> Terminal | None:
+    """The terminal behind stderr, None where it is a file, a pipe or too simple to draw anew."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        return None
+    from rich.console import Console as Terminal
+
+    terminal = Terminal(file=sys.stderr, highlight=False, emoji=False, markup=False)
+    return None if terminal.is_dumb_terminal else terminal
 
 
 def write(stream: TextIO | None, text: str) -> None:

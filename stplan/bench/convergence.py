@@ -45,7 +45,7 @@ VARIANTS: Mapping[str, Mapping[str, Any]] = {
 ASKED = frozenset({"kinetic", "acceleration", "arrival", "grouping"})
 # How near the best cost is near: a hundredth and a thousandth of it above.
 NEAR = (1e-2, 1e-3)
-SMALL_SECONDS, FULL_SECONDS = 3.0, 60.0
+SMALL_SECONDS, FULL_SECONDS = 3.0, 30.0
 SMALL_SCENES = ("symmetric", "bottleneck", "circle-8", "pocket-swap")
 
 

@@ -107,8 +107,9 @@ def warm_up(**solver: object) -> None:
     relaxed = tight.corridor_with_pocket(draw, half_width=3.0)
     searched = tight.plus_crossing(draw, turn=3)
     scenes = (
-        replace(relaxed, seeding=replace(relaxed.seeding, method="relaxation")),
-        replace(searched, seeding=replace(searched.seeding, method="search")),
+        # Patient: compilation counts as time of the seeder.
+        replace(relaxed, seeding=replace(relaxed.seeding, method="relaxation", time_limit=600.0)),
+        replace(searched, seeding=replace(searched.seeding, method="search", time_limit=600.0)),
         wide.circle(4, 4.0, 12.0),
     )
     for scene in scenes:

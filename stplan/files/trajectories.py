@@ -12,6 +12,9 @@ from stplan.files.npz_file import npz_bytes, read_npz
 from stplan.scene.model import Scene
 from stplan.world_lines import WorldLines
 
+# Those of a run's folder, in the order in which they are looked for.
+TRAJECTORIES = ("trajectories.npz", "trajectories.csv")
+
 
 def read_trajectories(path: Path) -> WorldLines:
     """Read a .csv or .npz file, or the trajectories in a run's folder (there the .npz first).
@@ -58,9 +61,9 @@ def curve_files(scene: Scene, curves: Mapping[str, WorldLines]) -> dict[str, byt
 
 
 def _in_folder(folder: Path) -> Path:
-    for name in ("trajectories.npz", "trajectories.csv"):
+    for name in TRAJECTORIES:
         if (folder / name).is_file():
             return folder / name
     seeds = [name for name in ("seed.npz", "seed.csv") if (folder / name).is_file()]
     hint = f"; to read its initial curves, name {folder / seeds[0]}" if seeds else ""
-    raise UsageError(f"{folder}: holds no trajectories.npz or trajectories.csv{hint}")
+    raise UsageError(f"{folder}: holds no {' or '.join(TRAJECTORIES)}{hint}")

@@ -10,8 +10,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-import numpy as np
-
 from stplan.arrays import FloatArray
 from stplan.costs.contact_term import ContactTerm
 from stplan.costs.term import Term
@@ -26,6 +24,8 @@ from stplan.scene.model import Scene
 from stplan.seeding.meeting_places import MeetingPlace
 from stplan.world import FreeSpace
 from stplan.world_lines import KnotLayout, WorldLines
+
+LiveLine = Callable[[Callable[[], str]], None]
 
 # A stale structure is rebuilt after at least this many iterations.
 REBUILD_EVERY = 8
@@ -120,6 +120,7 @@ def optimise(
     progress: Callable[[str], None],
     interrupted: Callable[[], bool],
     observe: Observer | None = None,
+    live: LiveLine | None = None,
 ) -> Optimisation:
     """Make `seed` smooth and cheap by the paper's outer loop.
 
@@ -127,13 +128,14 @@ def optimise(
         progress: called with one line an outer iteration.
         interrupted: asked after every iteration; True ends with the best feasible curves.
         observe: called with the knots (M, 3) and the terms of the objective after every iteration.
+        live: given a maker of the same line after every iteration, to be called at once or not at all.
 
     Raises:
         SolverError: Ipopt lacks the linear solver or an option asked for.
     """
     layout = KnotLayout.from_offsets(seed.offsets)
     setting = build_setting(scene, free_space, layout, seed.knots)
-    loop = _Loop(setting, seed.knots, progress, interrupted, observe)
+    loop = _Loop(setting, seed.knots, progress, interrupted, observe, live)
     loop.run()
     return loop.result(seed)
 
@@ -169,12 +171,15 @@ def build_setting(
 def _padded(setting: Setting, knots: FloatArray) -> Setting:
     """The setting with as much padding as the seed's clearance allows."""
     terms = Assembly(setting).interaction_terms(knots, 0.0)
-    least = min(
-        (term.least_clearance(knots) for term in terms if isinstance(term, ContactTerm)),
-        default=np.inf,
-    )
+    least = _least_clearance(terms, knots)
     widest = float(setting.interactions.distance.max())
     return replace(setting, padding=float(min(PADDING, 0.5 * max(least, 0.0) / widest)))
+
+
+def _least_clearance(terms: Sequence[Term], knots: FloatArray) -> float:
+    """Smallest clearance that a barrier sees, m; inf where there are no barriers."""
+    contacts = [term for term in terms if isinstance(term, ContactTerm)]
+    return min((term.least_clearance(knots) for term in contacts), default=float("inf"))
 
 
 class _Loop:
@@ -185,6 +190,7 @@ class _Loop:
         progress: Callable[[str], None],
         interrupted: Callable[[], bool],
         observe: Observer | None,
+        live: LiveLine | None,
     ) -> None:
         self._setting = setting
         self._assembly = Assembly(setting)
@@ -192,6 +198,7 @@ class _Loop:
         self._progress = progress
         self._interrupted = interrupted
         self._observe = observe
+        self._live = live
         self._linear_solver = chosen_linear_solver(setting.scene)
         self._watch = Stopwatch()
         self._record: list[dict[str, Any]] = []
@@ -233,7 +240,8 @@ class _Loop:
             if before is None:
                 before = problem.value(self._knots.ravel())
             stop.problem = problem
-            outcome = self._solve(problem, left, stop, multipliers, ipopt_mu)
+            watched = self._watched(stop, problem, outer, mu, used)
+            outcome = self._solve(problem, left, watched, multipliers, ipopt_mu)
             self._knots = outcome.knots
             used += outcome.iterations
             left = solver.max_iterations - used
@@ -247,10 +255,7 @@ class _Loop:
         after = problem.value(self._knots.ravel())
         self._terms = problem.terms
         self._status = self._judge(outcome, stop.why, before, after)
-        least = min(
-            (t.least_clearance(self._knots) for t in problem.terms if isinstance(t, ContactTerm)),
-            default=float("inf"),
-        )
+        least = _least_clearance(problem.terms, self._knots)
         self._record.append(
             {
                 "outer_iteration": outer + 1,
@@ -262,16 +267,39 @@ class _Loop:
                 "status": self._status,
             }
         )
-        self._progress(
-            f"outer {outer + 1}/{solver.outer_iterations}  mu {mu:.3g}  objective {after:.6g}  "
-            f"rod clearance {least:.3g} m  {used} iterations  {self._status}"
+        self._progress(f"{self._line(outer, mu, after, least, used)}  {self._status}")
+
+    def _line(self, outer: int, mu: float, objective: float, least: float, used: int) -> str:
+        return (
+            f"outer {outer + 1}/{self._setting.scene.solver.outer_iterations}  mu {mu:.3g}  "
+            f"objective {objective:.6g}  rod clearance {least:.3g} m  {used} iterations"
         )
+
+    def _watched(
+        self, stop: _Stop, problem: Problem, outer: int, mu: float, used: int
+    ) -> Callable[[Iteration], bool]:
+        """`stop`, telling the live line about every iteration where there is one."""
+        live = self._live
+        if live is None:
+            return stop
+
+        def watched(iteration: Iteration) -> bool:
+            over = stop(iteration)
+            live(
+                lambda: self._line(
+                    outer, mu, iteration.objective,
+                    _least_clearance(problem.terms, iteration.knots), used + iteration.number,
+                )
+            )  # fmt: skip
+            return over
+
+        return watched
 
     def _solve(
         self,
         problem: Problem,
         left: int,
-        stop: _Stop,
+        stop: Callable[[Iteration], bool],
         multipliers: Multipliers | None,
         ipopt_mu: float | None,
     ) -> IpoptResult:

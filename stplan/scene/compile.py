@@ -28,7 +28,7 @@ from stplan.scene.merge import merged_agent
 from stplan.scene.model import Agent, Scene, SeedingSettings, SolverSettings
 from stplan.scene.overlaps import overlap_faults
 from stplan.scene.pair_rules import Placed, group_rules, meeting_faults, pair_rules
-from stplan.scene.patterns import Listed, listed_agents
+from stplan.scene.patterns import Listed, listed_agents, num_agents
 from stplan.scene.quantities import REFUSED_OPTIONS
 
 _Model = TypeVar("_Model", bound=BaseModel)
@@ -169,14 +169,22 @@ def _settings(part: BaseModel) -> dict[str, Any]:
 def _listed(parts: Parts, directory: Path, faults: list[Fault]) -> list[Listed]:
     """Every agent of the file, those of patterns and tables among them."""
     found: list[Listed] = []
+    total = 0
     for k, (name, entry) in enumerate(zip(parts.ids, parts.entries, strict=True)):
         path = f"agents[{k}]"
         if entry is None:
             found.append(Listed(name, None, path))
+            total += 1
+        elif total + num_agents(entry) > MOST_AGENTS:
+            # Too many to be laid out; nothing is known about them.
+            found.append(Listed(None, None, path))
+            total += num_agents(entry)
         else:
-            found += listed_agents(entry, path, directory, faults)
-    if len(found) > MOST_AGENTS:
-        text = f"are {len(found)}, patterns and tables included; at most {MOST_AGENTS} are expected"
+            new = listed_agents(entry, path, directory, faults)
+            found += new
+            total += len(new)
+    if total > MOST_AGENTS:
+        text = f"are {total}, patterns and tables included; at most {MOST_AGENTS} are expected"
         faults.append(("agents", text))
     return found
 

@@ -17,7 +17,7 @@ from stplan.scene.model import (
 )
 
 MESH_SUFFIXES = (".obj", ".ply", ".off", ".stl", ".glb")
-LARGEST_MESH = 200 * 1024 * 1024
+LARGEST_MESH = 100 * 1024 * 1024
 
 
 def compile_map(entry: MapFile, directory: Path, faults: list[Fault]) -> MapSpec:
@@ -55,7 +55,9 @@ def _mesh_path(text: str, directory: Path, faults: list[Fault]) -> Path:
     path = directory / text
     fault = ""
     try:
-        if "\x00" in text or not path.exists():
+        if Path(text).is_absolute():
+            fault = f"is {text!r}, an absolute path; one relative to the scene file is expected"
+        elif "\x00" in text or not path.exists():
             fault = f"there is no file {text!r} beside the scene"
         elif not path.is_file():
             fault = f"{text!r} is no regular file; a mesh file is expected"

@@ -14,6 +14,7 @@ from pydantic import ValidationError
 
 from stplan.scene.faults import Fault
 from stplan.scene.format_agents import (
+    MOST_AGENTS,
     AgentFile,
     AgentsCsvFile,
     CirclePatternFile,
@@ -58,6 +59,13 @@ class Listed:
         """Path of one of its keys."""
         shared = key.partition(".")[0].partition("[")[0] in self.shared
         return f"{self.entry if shared else self.path}.{key}"
+
+
+def num_agents(entry: AgentFile | PatternFile | AgentsCsvFile) -> int:
+    """How many agents an `entry` stands for; of a table, which has to be read for that, at least."""
+    if isinstance(entry, GridPatternFile):
+        return entry.rows * entry.columns
+    return entry.count if isinstance(entry, CirclePatternFile | LinePatternFile) else 1
 
 
 def listed_agents(
@@ -184,6 +192,9 @@ def _table(name: str, directory: Path, path: str, faults: list[Fault]) -> list[d
             bad += [f"line {rows.line_num}: {sentence}" for sentence in wrong]
             if not wrong:
                 found.append(values)
+            if len(found) > MOST_AGENTS or len(bad) > MOST_AGENTS:
+                bad.insert(0, f"has more than {MOST_AGENTS} rows")
+                break
     except csv.Error as error:
         bad.append(f"line {rows.line_num}: is not well-formed CSV: {error}")
     if not bad and not found:
@@ -197,6 +208,10 @@ def _table(name: str, directory: Path, path: str, faults: list[Fault]) -> list[d
 def _table_text(name: str, directory: Path, path: str, faults: list[Fault]) -> str | None:
     source = directory / name
     try:
+        if Path(name).is_absolute():
+            text = f"is {name!r}, an absolute path; one relative to the scene file is expected"
+            faults.append((path, text))
+            return None
         if "\x00" in name or not source.is_file():
             faults.append((path, f"there is no file {name!r} beside the scene"))
             return None

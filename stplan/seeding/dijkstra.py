@@ -9,13 +9,13 @@ when everybody has been first, orders are random; then layers are added.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
+from stplan.compiled import working_time
 from stplan.scene.model import SeedingSettings
 from stplan.seeding.cheapest_path import HARD, space_time_length
 from stplan.seeding.diagnosis import hopeless, late, no_order, off_mesh
@@ -44,7 +44,7 @@ def dijkstra_curves(
     Uses `margin`, `layers`, `time_limit` and `rng_seed` of `settings`.
     """
     say = progress or (lambda line: None)
-    deadline = time.thread_time() + settings.time_limit
+    deadline = working_time() + settings.time_limit
     reasons = hopeless(problem, free_space)
     if reasons:
         return SearchResult(None, "", settings.margin, 0, reasons)
@@ -64,14 +64,12 @@ def dijkstra_curves(
                 reasons = reasons or late(problem, planner.too_late(), planner.grid.count)
                 continue
             say(f"Dijkstra: {roadmap.graph.num_vertices} vertices, {planner.grid.count} layers")
-            curves, orders, failures = _in_orders(
-                planner, rng, lambda: time.thread_time() > deadline
-            )
+            curves, orders, failures = _in_orders(planner, rng, lambda: working_time() > deadline)
             tries += orders
             if curves is not None and not verify(problem, curves, planner.required):
                 return SearchResult(curves, "dijkstra", margin, tries, ())
             reasons = no_order(problem, failures)
-            if time.thread_time() > deadline:
+            if working_time() > deadline:
                 return SearchResult(None, "", settings.margin, tries, reasons)
     return SearchResult(None, "", settings.margin, tries, reasons)
 

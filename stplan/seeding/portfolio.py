@@ -1,10 +1,10 @@
 """Initial curves by a portfolio of two families, each falling back on the other.
 
 In the open, relaxation: straight rods pushed apart, no search. In tight spaces, search on a roadmap.
-`method: auto` starts with relaxation where every agent's straight way is clear of the walls and with
-search elsewhere; pairs that relaxation leaves touching are repaired by search, and what search found is
-relaxed, because it queues more than it has to. `method: dijkstra` is the paper's own. Whatever found
-them, curves are polished, given their knots, and proven clear.
+`method: auto` starts with relaxation where every agent's straight way is clear of the walls or radii
+are many, and with search elsewhere; pairs that relaxation leaves touching are repaired by search, and
+what search found is relaxed, because it queues more than it has to. `method: dijkstra` is the paper's
+own. Whatever found them, curves are polished, given their knots, and proven clear.
 
 All parts share one time limit. Efforts are counted, so it never decides which curves are found, only
 whether any are.
@@ -12,7 +12,6 @@ whether any are.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -20,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.compiled import working_time
 from stplan.errors import SeedingError
 from stplan.scene.model import Scene, SeedingSettings
 from stplan.seeding.diagnosis import hopeless
@@ -47,6 +47,8 @@ Progress = Callable[[str], None]
 RELAXATION_KNOTS = 40
 # Sweeps before search takes over: in tight places soon, in the open late.
 TIGHT_SWEEPS, OPEN_SWEEPS, MOST_SWEEPS = 400, 1500, 4000
+# Search needs a table of reservations for every radius: of more radii than this relaxation goes first.
+FEW_RADII = 3
 # Search repairs what relaxation left where no more than this part of the agents touch, or so many pairs.
 REPAIRED_PART, REPAIRED_PAIRS = 0.1, 4
 # Polish may take this part of the time limit over it.
@@ -85,7 +87,7 @@ class _Portfolio:
 
     def settings(self) -> SeedingSettings:
         """The scene's settings with the time that is left."""
-        left = max(self.deadline - time.perf_counter(), 0.0)
+        left = max(self.deadline - working_time(), 0.0)
         return replace(self.scene.seeding, time_limit=left)
 
     def relax(self, max_sweeps: int) -> None:
@@ -162,7 +164,7 @@ class _Portfolio:
 
     def timed_out(self) -> bool:
         """Whether the time limit has struck."""
-        return time.perf_counter() > self.deadline
+        return working_time() > self.deadline
 
 
 def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress) -> Seed:
@@ -172,7 +174,7 @@ def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress)
         SeedingError: none were found; the message says whom it concerns, and whether that is proven.
     """
     limit = scene.seeding.time_limit
-    deadline = time.perf_counter() + limit
+    deadline = working_time() + limit
     problem = RodProblem.from_scene(scene, free_space)
     problem, meetings = with_meeting_places(problem, scene, free_space)
     sentences = [reason.sentence for reason in hopeless(problem, free_space)]
@@ -207,7 +209,7 @@ def _prepared(portfolio: _Portfolio, deadline: float) -> list[FloatArray]:
     scene, problem = portfolio.scene, portfolio.problem
 
     def check() -> None:
-        if time.perf_counter() > deadline:
+        if working_time() > deadline:
             raise SeedingError(
                 f"clear initial curves were found by {portfolio.found_by}, but not polished within "
                 f"{scene.seeding.time_limit:g} s; raise seeding.time_limit to go on"
@@ -240,7 +242,8 @@ def _parts(portfolio: _Portfolio) -> list[Callable[[], None]]:
         return [lambda: portfolio.relax(MOST_SWEEPS)]
     if method == "search":
         return [lambda: portfolio.search(SOON_EFFORT, MOST_EFFORT)]
-    if _straight_ways_are_clear(portfolio.problem):
+    many_radii = len(np.unique(portfolio.problem.radii)) > FEW_RADII
+    if many_radii or _straight_ways_are_clear(portfolio.problem):
         return [
             lambda: portfolio.relax(OPEN_SWEEPS),
             lambda: portfolio.search(SOON_EFFORT, MOST_EFFORT),
@@ -254,6 +257,8 @@ def _parts(portfolio: _Portfolio) -> list[Callable[[], None]]:
 
 def _left_touching(problem: RodProblem, stuck: Sequence[tuple[int, int]]) -> str:
     """What relaxation could not part."""
+    if not stuck:
+        return "relaxation left agents too near the walls"
     names = ", ".join(f"{problem.agent_ids[a]} and {problem.agent_ids[b]}" for a, b in stuck[:5])
     return f"relaxation left {len(stuck)} pairs touching: {names}"
 

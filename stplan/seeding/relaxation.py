@@ -9,13 +9,13 @@ There is no search and there are no priorities. Single-lane deadlocks are beyond
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.compiled import working_time
 from stplan.seeding.relaxation_kernels import string_crosses, sweep_strings
 from stplan.seeding.rods import Requirement, RodProblem, requirement, verify, wall_clearance
 from stplan.seeding.string_neighbours import near_rows, tight_pairs
@@ -91,7 +91,7 @@ def relax(
     strings start straight. The result depends on time only when `time_limit` strikes. `check` is called
     every sweep; what it raises ends the work.
     """
-    deadline = time.thread_time() + time_limit
+    deadline = working_time() + time_limit
     rng = np.random.default_rng(rng_seed)
     curves = initial_curves(problem, initial, num_knots, rng)
     relaxation = _Relaxation(problem, curves, _wanted(problem, curves, margin), rng)
@@ -108,7 +108,7 @@ def relax(
                 if not verify(problem, found, relaxation.required):
                     return RelaxationResult(found, True, sweeps, [], relaxation.retensions)
             relaxation.retension_if_stuck(stuck)
-        if time.thread_time() > deadline:
+        if working_time() > deadline:
             break
     return RelaxationResult(
         relaxation.strings.curves(problem), False, sweeps, stuck, relaxation.retensions

@@ -102,7 +102,7 @@ def repair(
             break
         iterations += 1
         before = state.copy()
-        _replan(planner, state, chosen, rng)
+        _replan(planner, state, chosen, rng, stopped)
         worse = state.num_conflicts - before.num_conflicts
         if worse > 0 and rng.random() > ACCEPT_WORSE**worse:
             for agent in chosen:
@@ -133,9 +133,13 @@ def _neighbourhood(state: CurveSet, movable: BoolArray, rng: np.random.Generator
 
 
 def _replan(
-    planner: LayeredPlanner, state: CurveSet, chosen: list[int], rng: np.random.Generator
+    planner: LayeredPlanner,
+    state: CurveSet,
+    chosen: list[int],
+    rng: np.random.Generator,
+    stopped: Callable[[], bool],
 ) -> None:
-    """Give the `chosen` agents other curves, one after another in random order."""
+    """Give the `chosen` agents other curves, one after another in random order, unless `stopped`."""
     old = {agent: state.curves[agent] for agent in chosen}
     for agent in chosen:
         planner.remove(state.blocks(agent))
@@ -144,10 +148,10 @@ def _replan(
     for agent in (int(agent) for agent in rng.permutation(np.array(chosen))):
         slack = max(int(planner.slack[agent]), 0)
         hold = int(rng.integers(0, slack // 2 + 2)) if rng.random() < 0.4 else 0
-        path = planner.path(agent, hold)
-        if path is None and hold > 0:
+        path = None if stopped() else planner.path(agent, hold)
+        if path is None and hold > 0 and not stopped():
             path = planner.path(agent)
-        if path is None and rng.random() < 0.8:
+        if path is None and not stopped() and rng.random() < 0.8:
             path = _least_touching(planner, agent, penalty, rng)
         curve = old[agent] if path is None else planner.curve(agent, path)
         state.put(agent, curve)

@@ -36,6 +36,8 @@ LONG_EDGE = 2.0
 # Bisections that centre a medial point between its walls.
 CENTRING_STEPS = 14
 SAMPLES_PER_SPACING = 4.0
+# Samples are moved by this part of their spacing, so that none lie on common circles.
+SHAKE = 1e-6
 # Rounds in which ways through tight bends get a point more.
 BENDS = 2
 MAX_SAMPLES = 20000
@@ -225,7 +227,10 @@ def _medial_points(
     perimeter = float(free_space.polygon.length)
     step = max(min(spacing, radius) / SAMPLES_PER_SPACING, perimeter / MAX_SAMPLES)
     samples = np.vstack([_along(ring, step) for ring in _rings(free_space.polygon)])
-    points = _inside(free_space.polygon, Voronoi(np.unique(samples, axis=0)).vertices)
+    samples = np.unique(samples, axis=0)
+    # Of many points on common circles, as on a rectangle's sides, Qhull makes very large facets.
+    samples += np.random.default_rng(0).uniform(-SHAKE * step, SHAKE * step, samples.shape)
+    points = _inside(free_space.polygon, Voronoi(samples).vertices)
     room = _point_clearance(free_space, points)
     wide = points[room >= 1.5 * radius]
     tight = points[(room > 0.9 * radius) & (room < 1.5 * radius)]

@@ -9,7 +9,6 @@ limit depends on the clock.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -17,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.compiled import working_time
 from stplan.scene.model import SeedingSettings
 from stplan.seeding.diagnosis import (
     Reason,
@@ -58,7 +58,7 @@ FEW_PRIORITY_BASED = 12
 MOST_PRIORITY_BASED = 40
 # Margins and multiples of the layers with which given curves are repaired.
 REPAIR_STAGES = ((1.02, 1), (1.02, 2), (1.001, 2), (1.001, 4))
-REPAIR_ITERATIONS = 300
+REPAIR_ITERATIONS = 60
 # Stages of this effort are soon gone through; then other parts of a portfolio may have their turn.
 SOON_EFFORT, MOST_EFFORT = 1, 128
 LEAST_HELD = 1.0005
@@ -143,10 +143,10 @@ def search_curves(
     between the two `efforts` are gone through.
     """
     say = progress or (lambda line: None)
-    deadline = time.thread_time() + settings.time_limit
+    deadline = working_time() + settings.time_limit
 
     def stopped() -> bool:
-        return time.thread_time() > deadline
+        return working_time() > deadline
 
     given = [path for path in problem.paths if path is not None]
     if len(given) == problem.num_agents:
@@ -173,6 +173,8 @@ def search_curves(
             break
         if level.hopeless:
             continue
+        if stopped():
+            break
         count = settings.layers or automatic_layers(problem, level.graph, level.journeys)
         planner = LayeredPlanner(
             problem, level.graph, level.journeys, level.required, count * stage.layers
@@ -209,7 +211,7 @@ def repair_curves(
     hold less than the margin need not hold more than they do.
     """
     say = progress or (lambda line: None)
-    deadline = time.thread_time() + settings.time_limit
+    deadline = working_time() + settings.time_limit
     reasons: tuple[Reason, ...] = ()
     tries = 0
     for number, (margin, layers) in enumerate(REPAIR_STAGES):
@@ -228,14 +230,12 @@ def repair_curves(
             continue
         say(f"repairing: {planner.graph.num_vertices} vertices, {planner.grid.count} layers")
         rng = np.random.default_rng([settings.rng_seed, number])
-        mended = repair(
-            planner, curves, rng, REPAIR_ITERATIONS, lambda: time.thread_time() > deadline
-        )
+        mended = repair(planner, curves, rng, REPAIR_ITERATIONS, lambda: working_time() > deadline)
         tries += mended.iterations
         if mended.conflicts == 0 and not verify(problem, mended.curves):
             return SearchResult(mended.curves, "repair", level.margin, tries, ())
         reasons = stuck(problem, mended.curves, mended.touching)
-        if time.thread_time() > deadline:
+        if working_time() > deadline:
             break
     return SearchResult(None, "", settings.margin, tries, reasons)
 

@@ -2,7 +2,12 @@
 
 from stplan.world.erosion import eroded
 from stplan.world.free_space import FreeSpace, build_free_space
-from stplan.world.placement import check_scene_in_world, cut_off_agents, widest_passage
+from stplan.world.placement import (
+    check_scene_in_world,
+    cut_off_agents,
+    fitted_free_space,
+    widest_passage,
+)
 from stplan.world.seeding_mesh import SeedingMesh, build_seeding_mesh
 
 __all__ = [
@@ -13,5 +18,6 @@ __all__ = [
     "check_scene_in_world",
     "cut_off_agents",
     "eroded",
+    "fitted_free_space",
     "widest_passage",
 ]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import logging
-import re
 import warnings
 from pathlib import Path
 from typing import Any
@@ -16,9 +15,11 @@ from stplan.arrays import FloatArray, IntArray
 from stplan.errors import SceneError
 from stplan.scene.model import MeshBase, Scene
 from stplan.world.cracks import joined
+from stplan.world.mesh_counts import announced_faces, check_counts
 from stplan.world.obj_file import read_obj
 
-MOST_VERTICES = 5_000_000
+# Triangles may cover the floor so often on average: storeys above one another, a closed surface.
+MOST_LAYERS = 64
 # Cosine between the normals of two pieces of one face that lie on top of each other.
 FOLDED = -0.99
 _KEPT_AXES = {"x": (1, 2), "y": (0, 2), "z": (0, 1)}
@@ -35,8 +36,13 @@ def read_flat_mesh(path: Path, up: str) -> tuple[FloatArray, IntArray]:
     kind = path.suffix.lower().removeprefix(".")
     try:
         content = path.read_bytes()
+        announced = announced_faces(content, kind)
         load = read_obj(content, _KEPT_AXES[up]) if kind == "obj" else _load(content, kind)
         vertices, triangles = load
+        check_counts(len(vertices), len(triangles))
+        if len(triangles) < announced:
+            # Some readers take what they find, however much the head of the file announces.
+            raise ValueError("faces are missing")
     except SceneError as error:
         raise SceneError(f"{path.name} {error}") from error
     except OSError as error:
@@ -49,14 +55,12 @@ def read_flat_mesh(path: Path, up: str) -> tuple[FloatArray, IntArray]:
         ) from error
     if not len(triangles):
         raise SceneError(f"{path.name} has no faces")
-    if len(vertices) > MOST_VERTICES:
-        raise SceneError(
-            f"{path.name} has {len(vertices)} vertices, at most {MOST_VERTICES} are read"
-        )
     if triangles.min() < 0 or triangles.max() >= len(vertices):
         raise SceneError(f"{path.name} has faces that refer to vertices it does not have")
     flat = vertices[:, _KEPT_AXES[up]]
-    if not np.isfinite(flat[triangles]).all() or np.abs(flat[triangles]).max() > 1e9:
+    # Of the axis that is dropped too: normals are computed with it.
+    corners = vertices[triangles]
+    if not np.isfinite(corners).all() or np.abs(corners).max() > 1e9:
         raise SceneError(f"{path.name} has vertices that are not finite or absurdly far away")
     if kind in {"ply", "off"} and _has_folds(vertices, triangles, "xyz".index(up)):
         raise SceneError(f"{path.name} has concave faces; triangles are expected, or an OBJ file")
@@ -68,6 +72,11 @@ def read_flat_mesh(path: Path, up: str) -> tuple[FloatArray, IntArray]:
     keep = np.abs(area) > 1e-14 * extent**2
     if not keep.any():
         raise SceneError(f"{path.name} has no area seen along its {up} axis")
+    if np.abs(area).sum() / 2 > MOST_LAYERS * float(np.ptp(flat[triangles.ravel()], axis=0).prod()):
+        raise SceneError(
+            f"{path.name} has faces on top of one another, more than {MOST_LAYERS} layers "
+            "on average; a floor is expected"
+        )
     return flat, triangles[keep]
 
 
@@ -91,11 +100,6 @@ def _load(content: bytes, kind: str) -> tuple[FloatArray, IntArray]:
     finally:
         logger.setLevel(level)
     triangles = np.asarray(getattr(mesh, "faces", ()), dtype=np.int64).reshape(-1, 3)
-    if kind == "off":
-        # The reader takes what it finds, however many faces the head of the file announces.
-        words = re.sub(rb"#.*", b"", content[:4096]).split()[:3]
-        if words[0] == b"OFF" and len(triangles) < int(words[2]):
-            raise ValueError("faces are missing")
     return np.asarray(mesh.vertices, dtype=np.float64).reshape(-1, 3), triangles
 
 
@@ -127,8 +131,14 @@ def _has_folds(vertices: FloatArray, triangles: IntArray, up: int) -> bool:
 
 
 def mesh_polygon(scene: Scene, base: MeshBase) -> shapely.Geometry:
-    """The union of a mesh's triangles in the plane."""
+    """The union of a mesh's triangles in the plane; raises SceneError, located, where there is none."""
     try:
-        return joined(*read_flat_mesh(base.path, base.up))
+        vertices, triangles = read_flat_mesh(base.path, base.up)
+        try:
+            return joined(vertices, triangles)
+        except shapely.errors.GEOSException as error:
+            raise SceneError(f"{base.path.name} has faces too tangled to be joined") from error
+        except SceneError as error:
+            raise SceneError(f"{base.path.name} {error}") from error
     except SceneError as error:
         raise SceneError(scene.located("map.mesh", str(error))) from error

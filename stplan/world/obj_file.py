@@ -6,15 +6,22 @@ on a straight side hanging: the neighbour ends there, and the crack between them
 
 from __future__ import annotations
 
+from array import array
+from io import StringIO
 from itertools import pairwise
 
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.errors import SceneError
+from stplan.world.mesh_counts import check_counts
 
 # A face has no area, and a corner no angle, below this share of the square of the face's extent.
 NO_AREA = 1e-13
+# Corners of one face: splitting it takes time with the square of them.
+MOST_CORNERS = 2000
+# Characters of a line, enough for as many.
+LONGEST_LINE = 100_000
 
 
 def read_obj(content: bytes, kept_axes: tuple[int, int]) -> tuple[FloatArray, IntArray]:
@@ -29,24 +36,31 @@ def read_obj(content: bytes, kept_axes: tuple[int, int]) -> tuple[FloatArray, In
     """
     # Names and comments may be in any encoding.
     text = content.decode("utf-8", errors="replace").replace("\r\n", "\n").replace("\\\n", " ")
-    vertices: list[list[float]] = []
+    vertices = array("d")
     faces: list[list[int]] = []
     lines: list[int] = []
-    for number, line in enumerate(text.split("\n"), start=1):
+    for number, line in enumerate(StringIO(text), start=1):
+        if len(line) > LONGEST_LINE:
+            raise SceneError(f"has more than {LONGEST_LINE} characters in line {number}")
         words = line.partition("#")[0].split()
         if not words:
             continue
         if words[0] == "v":
             x, y, z = words[1:4]
-            vertices.append([float(x), float(y), float(z)])
+            vertices.extend((float(x), float(y), float(z)))
         elif words[0] == "f":
             face = [int(word.partition("/")[0]) for word in words[1:]]
             if len(face) < 3:
                 raise SceneError(f"has a face of fewer than three corners in line {number}")
+            if len(face) > MOST_CORNERS:
+                raise SceneError(f"has a face of more than {MOST_CORNERS} corners in line {number}")
             # Negative references count back from the vertex before this line.
-            faces.append([k - 1 if k >= 0 else len(vertices) + k for k in face])
+            num_vertices = len(vertices) // 3
+            faces.append([k - 1 if k >= 0 else num_vertices + k for k in face])
             lines.append(number)
+            check_counts(num_vertices, len(faces))
     points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
+    check_counts(len(points), 0)
     flat = points[:, kept_axes]
     triangles: list[list[int]] = []
     for face, number in zip(faces, lines, strict=True):

@@ -8,9 +8,10 @@ import numpy as np
 import shapely
 
 from stplan.arrays import FloatArray
+from stplan.errors import SceneError
 from stplan.scene.model import Agent, Scene
 from stplan.world.erosion import eroded
-from stplan.world.free_space import FreeSpace
+from stplan.world.free_space import FreeSpace, build_free_space
 
 # Erosions are computed with this share less than the radius, so that "not connected" is never claimed
 # because of the rounding of offset curves.
@@ -23,6 +24,19 @@ def fixed_points(agent: Agent) -> list[tuple[str, tuple[float, float]]]:
         return [(f"path[{k}]", (x, y)) for k, (x, y, _) in enumerate(agent.path)]
     points = [("start", agent.start), ("goal", agent.goal)]
     return points + [(f"waypoints[{k}]", point) for k, point in enumerate(agent.waypoints)]
+
+
+def fitted_free_space(scene: Scene) -> FreeSpace | None:
+    """The free space of `scene`, into which its agents fit; None in the open plane.
+
+    Raises:
+        SceneError: the map is faulty, or some agents stand outside it or too near its walls.
+    """
+    free_space = build_free_space(scene)
+    faults = check_scene_in_world(scene, free_space)
+    if faults:
+        raise SceneError(faults)
+    return free_space
 
 
 def check_scene_in_world(scene: Scene, free_space: FreeSpace | None) -> list[str]:

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 import stplan.scene
+import stplan.world
 from stplan.cli import main
 from stplan.errors import SceneError
 from stplan.files.json_file import json_bytes
@@ -74,7 +75,7 @@ class Stage:
             as_dict=lambda: {"holds": not self.violations, "violations": list(self.violations)},
         )
 
-    def plan(self, scene: Any, *, progress: Any = None) -> Any:
+    def plan(self, scene: Any, *, progress: Any = None, live: Any = None) -> Any:
         self.planned.append(scene.name)
         progress("outer iteration 1")
         if scene.name in self.raises:
@@ -90,6 +91,7 @@ class Stage:
             "scene": {
                 "name": scene.name, "source": str(scene.source), "hash": scene.content_hash,
             },
+            "certificate": {"holds": True, "pairs": {"rows": []}, "walls": {"rows": []}},
             "metrics": {"kinetic_over_straight": 1.25, "latest_arrival": 5.0, "agents": rows},
         }  # fmt: skip
         return SimpleNamespace(
@@ -114,9 +116,12 @@ def stage(monkeypatch, tmp_path) -> Stage:
     pipeline: Any = ModuleType("stplan.pipeline")
     pipeline.plan = pipeline.seed = acting.plan
     pipeline.write_plan = acting.write_plan
-    pipeline.validate = lambda scene: acting.plan(scene, progress=lambda line: None)
     pipeline.check = lambda scene, lines: acting.certificate()
     monkeypatch.setitem(sys.modules, "stplan.pipeline", pipeline)
+    monkeypatch.setattr(
+        stplan.world, "fitted_free_space",
+        lambda scene: acting.plan(scene, progress=lambda line: None), raising=False,
+    )  # fmt: skip
     monkeypatch.setattr(stplan.scene, "load_scene", acting.load_scene, raising=False)
     monkeypatch.chdir(tmp_path)
     for name in ("one", "two", "three"):

@@ -245,6 +245,26 @@ def test_diff(stage, run):
     assert run("diff", "outputs/one", "none.csv").status == 2
 
 
+def test_diff_of_folders_in_every_format(stage, run):
+    for output in ("old", "new"):
+        assert run("seed", "one.yaml", "two.yaml", "-o", output).status == 0
+        for name in ("one", "two"):
+            Path(output, name, "seed.csv").rename(Path(output, name, "trajectories.csv"))
+    assert run("diff", "old", "new").out == "2 of 2 common runs equal\n"
+    assert "one: sam: position 0 m" in run("diff", "old", "new", "--verbose").out
+    moved = Path("new/two/trajectories.csv")
+    moved.write_text(moved.read_text().replace("sam,1,2.0", "sam,1,2.5"))
+    result = run("diff", "old", "new")
+    assert (result.status, result.out.splitlines()[0]) == (1, "two:")
+    result = run("diff", "old", "new", "--format", "markdown")
+    assert result.status == 1
+    assert result.out.startswith("### stplan diff: 1 of 2 common runs equal\n\n| run |")
+    for options in (["--json"], ["--format", "json"], ["--json", "--format", "text"]):
+        content = run("diff", "old", "new", *options).json
+        assert [entry["equal"] for entry in content["runs"]] == [True, False]
+    assert run("diff", "old", "new", "--format", "xml").status == 2
+
+
 def test_validate(stage, run):
     stage.raises["two"] = SceneError("two.yaml:5:1: agents[0].start: inside a wall")
     result = run("validate", "one.yaml", "two.yaml", "bad.yaml", "--json")

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 import typer.main
+import yaml
 
 from stplan.cli import app
 
@@ -52,7 +53,7 @@ def test_there_is_something_to_check():
 def test_command_is_understood(words):
     group = typer.main.get_command(app)
     if words[0].startswith("-"):
-        assert words[0] in {"--help", "-h", "--version"}
+        assert words[0] in {"--help", "-h", "--version", "--install-completion"}
         return
     with group.make_context("stplan", list(words)) as context:
         command = group.get_command(context, words[0])
@@ -99,3 +100,42 @@ def test_make_without_a_target_lists_those_that_the_readme_names():
     ).stdout
     for _, words in _commands("make"):
         assert f"make {words[0]} " in listed
+
+
+def test_the_workflow_for_ci_does_what_it_says(run, monkeypatch, tmp_path):
+    (text,) = [text for _, text in _blocks({"yaml"}) if text.startswith("name: trajectories")]
+    steps = yaml.safe_load(text)["jobs"]["trajectories"]["steps"]
+    (tmp_path / "scenes").symlink_to(ROOT / "scenes")
+    monkeypatch.chdir(tmp_path)
+    commands = [step["run"] for step in steps if step.get("run", "").startswith("stplan")]
+    assert [shlex.split(command)[1] for command in commands] == ["validate", "solve", "diff"]
+
+    def expanded(word: str) -> list[str]:
+        # Two scenes stand for all of them.
+        return sorted(map(str, Path().glob(word)))[-2:] if "*" in word else [word]
+
+    def follow(command: str):
+        words = shlex.split(_SHELL_ENDS.sub("", command))[1:]
+        return run(*(path for word in words for path in expanded(word)))
+
+    assert follow(commands[0]).status == 0
+    assert follow(commands[1].replace("-o runs", "-o golden")).status == 0
+    assert follow(commands[1]).status == 0
+    result = follow(commands[2])
+    assert (result.status, result.out.splitlines()[0]) == (
+        0, "### stplan diff: 2 of 2 common runs equal",
+    )  # fmt: skip
+    golden = next(Path("golden").glob("*/trajectories.npz"))
+    golden.unlink()
+    table = golden.with_suffix(".csv")
+    table.write_text(re.sub(r"(?m)^(\w+,1,)[^,]+", r"\g<1>7.5", table.read_text()))
+    result = follow(commands[2])
+    assert result.status == 1
+    assert "1 of 2 common runs equal" in result.out
+
+
+def test_the_words_about_a_scene_are_those_of_the_page(run, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    page = (ROOT / "docs" / "explain.md").read_text(encoding="utf-8")
+    (command, said), *_ = re.findall(r"```bash\nstplan (.*?)\n```\n\n```text\n(.*?)```", page, re.S)
+    assert run(*shlex.split(command)).out == said

@@ -49,6 +49,40 @@ def test_solve_check_diff(scene, run):
         assert (folder / name).read_bytes() == (Path("again/crossing") / name).read_bytes()
 
 
+def test_explain(scene, run):
+    assert run("explain", scene, "--time-limit", 0).out.startswith("crossing: a valid scene.\n")
+    assert run("solve", scene, "-q").status == 0
+    result = run("explain", "outputs/crossing")
+    assert result.status == 0
+    assert result.out.startswith("crossing: planning ended as 'converged'; the certificate holds.")
+    sections = run("explain", "outputs/crossing", "--json").json["sections"]
+    assert list(sections) == ["pairs", "walls", "waits", "late", "detours"]
+    Path("straight.csv").write_text(
+        "agent,knot,x,y,t\nsam,0,-2,0,0\nsam,1,2,0.1,6\nann,0,0.1,-2,0\nann,1,0,2,6\n"
+    )
+    result = run("explain", scene, "straight.csv")
+    assert result.status == 1
+    assert "sam and ann: " in result.out
+    result = run("explain", "outputs/crossing", "--set", "agents.ann.start=[0, -1.5]")
+    assert result.status == 1
+    assert "is not as it was when this run was planned" in result.err
+
+
+def test_explain_what_cannot_be_planned(scene, run):
+    walls = "map: {rectangle: [-3, -3, 3, 3], obstacles: [{rectangle: [-1, -3, -0.9, 3]}]}\n"
+    scene.write_text(SCENE.replace("agents:", f"{walls}agents:"))
+    result = run("explain", scene)
+    assert result.status == 3
+    assert "sam: its start and goal lie in separate parts of the map" in result.out
+    assert run("explain", scene, "--time-limit", "nan").status == 2
+    scene.write_text(
+        SCENE.replace("[2.0, 0.1]", "[2.9, 0.1]").replace("agents:", f"{walls}agents:")
+    )
+    result = run("explain", scene)
+    assert result.status == 2
+    assert "crossing.yaml:6:" in result.err
+
+
 def test_check_finds_a_collision(scene, run):
     Path("straight.csv").write_text(
         "agent,knot,x,y,t\nsam,0,-2,0,0\nsam,1,2,0.1,6\nann,0,0.1,-2,0\nann,1,0,2,6\n"

@@ -45,6 +45,27 @@ sys.exit(str(heavy & set(sys.modules)) if heavy & set(sys.modules) else 0)
     assert result.returncode == 0, result.stderr
 
 
+def test_validating_loads_no_kernels_and_no_solver(tmp_path):
+    (tmp_path / "scene.yaml").write_text(
+        "stplan: 1\nhorizon: 9\nmap: {rectangle: [-1, -1, 9, 9]}\n"
+        "agents: [{id: a, start: [0, 0], goal: [5, 5]}]\n"
+    )
+    program = """
+import sys, stplan.cli
+try:
+    stplan.cli.main(["validate", "scene.yaml"])
+except SystemExit as done:
+    assert done.code == 0
+sys.exit(str({"numba", "cyipopt"} & set(sys.modules)) if {"numba", "cyipopt"} & set(sys.modules) else 0)
+"""
+    result = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, text=True,
+        check=False,
+    )  # fmt: skip
+    assert result.returncode == 0, result.stderr
+
+
 def test_unknown_names_of_the_package():
     import stplan
 
@@ -58,7 +79,7 @@ import stplan.scene
 from tests.files.examples import scene_of
 stplan.scene.load_scene = lambda path, overrides=(): scene_of(["sam"])
 pipeline = types.ModuleType("stplan.pipeline")
-def plan(scene, *, progress):
+def plan(scene, *, progress, live=None):
     progress("planning")
     {action}
 pipeline.plan = pipeline.seed = plan

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import re
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,7 +13,66 @@ import yaml
 from stplan.errors import SceneError
 from stplan.scene import parse_scene
 
-PLACE = re.compile(r"^scene:(\d+):(\d+): (?:([^ :]+): )?(.+)$")
+PLACE = re.compile(r"^scene\.yaml:(\d+):(\d+): (?:([^ :]+): )?(.+)$")
+
+TRIANGLE = "v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n"
+
+PAIR = """\
+stplan: 1
+name: pair
+horizon: 20.0
+agents:
+  - id: sam
+    start: [0.0, 0.0]
+    goal: [10.0, 0.0]
+    radius: 0.3
+  - id: ann
+    start: [0.0, 5.0]
+    goal: [10.0, 5.0]
+    radius: 0.3
+"""
+
+FULL = """\
+stplan: 1
+description: all kinds of keys
+map:
+  polygon: [[-9, -9], [20, -9], [20, 9], [-9, 9], [-9, -9]]
+  holes: [[[-8, -8], [-7, -8], [-7, -7]]]
+  obstacles:
+    - {rectangle: [1, 6, 2, 7]}
+    - {circle: {center: [4, -6], radius: 0.5}}
+    - {polygon: [[5, 7], [6, 7], [6, 8]]}
+  resolution: 0.5
+horizon: 20
+time_scale: 2
+defaults:
+  mass: 80
+  start_time: 1
+  waypoints: [[3, 1]]
+  weights: {acceleration: 0.5, regularity: 7, wall: 2}
+agents:
+  - id: sam
+    start: [0, 0]
+    goal: [10, 4]
+    radius: 0.25
+    max_time: 15
+    preferred_time: 12
+    weights: {arrival: 3, regularity: auto, wall: 0}
+  - {id: ann, start: [0, 3], goal: [10, 1], start_time: 0, waypoints: [], after_arrival: vanish}
+  - {id: cart, path: [[0, -5, 2], [5, -5, 4], [10, -5, 9]], radius: 1}
+pairs:
+  - {between: [sam, all], distance: 2.5}
+  - {between: [[ann, cart], sam], grouping: 5, distance: 1.5}
+  - {between: [ann, cart], collide: no}
+seeding: {method: search, layers: 20, margin: 1.2, time_limit: 5, rng_seed: 7}
+solver: {knots: 30, barrier_range: .inf, ipopt: {tol: 1e-6, print_timing_statistics: yes}}
+"""
+
+
+def edited(old: str, new: str, text: str = PAIR) -> str:
+    """`text` with its first `old` replaced."""
+    assert old in text
+    return text.replace(old, new, 1)
 
 
 def scene_text(own: str = "", top: str = "") -> str:
@@ -31,9 +91,9 @@ def agents_text(*entries: str, top: str = "") -> str:
 
 
 def refusals(text: str, **more: Any) -> list[str]:
-    """The messages of a scene that must be refused."""
+    """The messages of a scene, called scene.yaml, that must be refused."""
     with pytest.raises(SceneError) as caught:
-        parse_scene(text, **more)
+        parse_scene(text, source=Path("scene.yaml"), **more)
     assert caught.value.messages
     return caught.value.messages
 
@@ -134,4 +194,4 @@ def full_tree() -> dict[str, Any]:
 
 
 def dump(tree: Any) -> str:
-    return yaml.safe_dump(tree, sort_keys=False)
+    return yaml.safe_dump(tree, sort_keys=False, allow_unicode=True)

@@ -8,7 +8,7 @@ import pytest
 from stplan.scene import parse_scene, scene_interactions
 from stplan.scene.interactions import scene_meetings
 from stplan.scene.model import Meet, Visit
-from tests.scene.examples import PAIR, edited, refusals
+from tests.scene.samples import PAIR, edited, refusals
 
 THREE = PAIR + "  - {id: bob, start: [0, -5], goal: [10, -5], radius: 0.5}\n"
 

@@ -22,7 +22,7 @@ OFF = [
 
 def test_overlapping_starts():
     message = refusal(_agents(*CLOSE_STARTS))
-    assert message.startswith("scene:5:")
+    assert message.startswith("scene.yaml:5:")
     assert "agents[1].start: is 0.5 m from the start of 'sam'" in message
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from stplan.scene import parse_scene, scene_interactions
 from stplan.scene.model import Agent
-from tests.scene.examples import refusals
+from tests.scene.samples import refusals
 
 CIRCLE = "{pattern: circle, id: w, count: 6, circle: {center: [1, 2], radius: 5}"
 LINE = "{pattern: line, id: w, count: 5, start: [[0, 0], [0, 4], [4, 4]], goal: [[9, 0], [9, 8]]"
@@ -89,16 +89,16 @@ def test_a_table(tmp_path):
 )
 def test_tables_that_are_refused(tmp_path, table, words):
     (tmp_path / "a.csv").write_text(table, encoding="utf-8")
-    (message,) = refusals(text("{file: a.csv"), tmp_path)
+    (message,) = refusals(text("{file: a.csv"), directory=tmp_path)
     assert message.startswith("scene.yaml:4:6: agents[0].file: a.csv: ")
     assert words in message
 
 
 def test_a_table_that_is_not_there(tmp_path):
-    (message,) = refusals(text("{file: b.csv"), tmp_path)
+    (message,) = refusals(text("{file: b.csv"), directory=tmp_path)
     assert message == "scene.yaml:4:6: agents[0].file: there is no file 'b.csv' beside the scene"
     (tmp_path / "c.csv").write_bytes(b"\xff\xfe")
-    assert "is not UTF-8" in refusals(text("{file: c.csv"), tmp_path)[0]
+    assert "is not UTF-8" in refusals(text("{file: c.csv"), directory=tmp_path)[0]
 
 
 def test_faults_of_a_pattern_are_told_once_and_where_they_stand():

@@ -9,7 +9,11 @@ from pathlib import Path
 import pytest
 
 from stplan.scene import parse_scene, scene_schema
+from stplan.scene.format import SceneFile
+from stplan.scene.model import SeedingSettings, SolverSettings, Weights
 
+SCHEMA = scene_schema()
+PARTS = {"SceneFile": SCHEMA, **SCHEMA["$defs"]}
 PAGE = Path(__file__).parents[2] / "docs" / "scene-format.md"
 BLOCKS = re.findall(r"^```yaml\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.M | re.S)
 
@@ -25,16 +29,11 @@ def _keys(schema):
 
 def test_plain_json_of_a_known_dialect():
     schema = scene_schema()
-    assert json.loads(json.dumps(schema, allow_nan=False)) == schema
+    text = json.dumps(schema, allow_nan=False)
+    assert json.loads(text) == schema
+    assert '"null"' not in text
     assert "json-schema.org" in schema["$schema"]
     assert set(schema["required"]) == {"stplan", "agents"}
-
-
-def test_nothing_else_is_allowed():
-    schema = scene_schema()
-    for part in [schema, *schema["$defs"].values()]:
-        if part.get("type") == "object":
-            assert part["additionalProperties"] is False
 
 
 def test_references_lead_somewhere():
@@ -80,3 +79,29 @@ def test_examples_of_the_page_are_read(block, tmp_path):
             "  - {id: ann, start: [0, 3], goal: [9, 3]}\n"
         )
     assert parse_scene(head + block, directory=tmp_path).agents
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_every_key_is_described_and_no_other_allowed(part):
+    assert PARTS[part]["additionalProperties"] is False
+    assert PARTS[part]["description"]
+    for key, schema in PARTS[part]["properties"].items():
+        assert schema.get("description"), f"{part}.{key}"
+
+
+def test_schema_describes_without_changing_itself():
+    assert scene_schema() == SCHEMA
+    assert SCHEMA["required"] == ["stplan", "agents"]
+
+
+def test_defaults_are_those_of_the_model():
+    seeding, solver, weights = SeedingSettings(), SolverSettings(), Weights()
+    for part, model in (("SeedingFile", seeding), ("SolverFile", solver), ("WeightsFile", weights)):
+        for key, schema in PARTS[part]["properties"].items():
+            default = getattr(model, key)
+            assert schema["default"] == ("auto" if default is None else default), key
+
+
+def test_model_is_strict():
+    assert SceneFile.model_config["strict"]
+    assert SceneFile.model_config["extra"] == "forbid"

@@ -142,9 +142,9 @@ def test_aliases_and_merges_give_copies():
     ],
 )
 def test_refused(text, message):
-    began = time.perf_counter()
+    began = time.process_time()
     assert message in refusal(text)
-    assert time.perf_counter() - began < 5
+    assert time.process_time() - began < 5
 
 
 def test_depth_counts_through_aliases():
@@ -158,18 +158,18 @@ def test_alias_bomb_is_refused_at_once():
         lines.append(f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 10)}]")
     text = "\n".join(lines)
     assert 10_000_000 < len(text) < LARGEST_FILE
-    began = time.perf_counter()
+    began = time.process_time()
     assert refusal(text) == (
         f"s.yaml:6:45: the file holds more than {MOST_VALUES} values, "
         "aliases counted as often as used"
     )
-    assert time.perf_counter() - began < 5
+    assert time.process_time() - began < 5
 
 
 def test_wide_file_is_refused_in_time():
-    began = time.perf_counter()
+    began = time.process_time()
     assert f"more than {MOST_VALUES} values" in refusal("[" + "1, " * 3_000_000 + "]")
-    assert time.perf_counter() - began < 20
+    assert time.process_time() - began < 20
 
 
 @pytest.mark.parametrize(

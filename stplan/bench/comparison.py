@@ -1,0 +1,206 @@
+"""This planner and its rivals on the same scenes, in the same run.
+
+Every agent has the same greatest speed and acceleration. Asked for is the least makespan: the time at
+which the last agent arrives. What comes out, whoever found it, is measured by the code of the certificate.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+
+from stplan.arrays import FloatArray
+from stplan.bench.makespan import fastest
+from stplan.bench.rivals import casadi_grid, jupedsim_model, ompl_joint, rvo2
+from stplan.bench.rivals.motion import Motion, Task
+from stplan.certify.pair_clearance import nearest_moments
+from stplan.certify.wall_clearance import wall_distance
+from stplan.errors import UsageError
+from stplan.pipeline import seed
+from stplan.scene import load_scene
+from stplan.scene.model import Scene
+from stplan.seeding.geodesic import geodesic_curves
+from stplan.seeding.rods import RodProblem
+from stplan.world import FreeSpace, build_free_space
+from stplan.world_lines import WorldLines
+
+NAMES = ("three-symmetric", "three-offset", "circle", "gap", "lane")
+OURS = "stplan"
+# How long (s) a rival may compute, or simulate.
+TIME_LIMIT = 30.0
+RIVALS: tuple[tuple[str, str, Callable[[Task], Motion]], ...] = (
+    (jupedsim_model.NAME, jupedsim_model.PACKAGE, jupedsim_model.drive),
+    (rvo2.NAME, rvo2.PACKAGE, rvo2.drive),
+    (ompl_joint.NAME, ompl_joint.PACKAGE, ompl_joint.drive),
+    (casadi_grid.NAME, casadi_grid.PACKAGE, casadi_grid.drive),
+    (casadi_grid.NAME_WARM, casadi_grid.PACKAGE, casadi_grid.drive_warm),
+)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one planner makes of one scene, nan where it made nothing of it.
+
+    Attributes:
+        arrived, agents: how many arrive, of how many.
+        makespan: when the last one arrives (s), nan unless all do.
+        length: of all paths together (m).
+        acceleration: the greatest change of velocity over the time between the middles of segments
+            (m/s^2).
+        clearance: the smallest, to one another and to walls, in continuous time (m).
+        seconds: what it took.
+    """
+
+    scene: str
+    planner: str
+    agents: int
+    arrived: int = 0
+    makespan: float = np.nan
+    length: float = np.nan
+    acceleration: float = np.nan
+    clearance: float = np.nan
+    seconds: float = np.nan
+    note: str = ""
+
+
+def compare_planners(
+    folder: Path, names: Sequence[str], *, progress: Callable[[str], None]
+) -> list[Outcome]:
+    """Ours first, then every rival, scene by scene; rivals that are not installed are left out.
+
+    Raises:
+        UsageError: `folder` holds no such scene.
+    """
+    unknown = [name for name in names if name not in NAMES]
+    if unknown:
+        raise UsageError(f"there is no scene {unknown[0]!r}; expected one of {', '.join(NAMES)}")
+    found: list[Outcome] = []
+    for name in names or NAMES:
+        path = folder / f"{name}.yaml"
+        if not path.is_file():
+            raise UsageError(f"there is no {path}; say where the scenes are with --scenes")
+        scene = load_scene(path)
+        found.append(our_outcome(scene, name, progress=progress))
+        if not installed():
+            continue
+        task = build_task(scene)
+        for planner, package, drive in RIVALS:
+            if find_spec(package):
+                progress(f"{name}: {planner}")
+                found.append(rival_outcome(task, name, planner, drive))
+    return found
+
+
+def installed() -> list[str]:
+    """Names of the rivals that can be run."""
+    return [planner for planner, package, _ in RIVALS if find_spec(package)]
+
+
+def our_outcome(scene: Scene, name: str, *, progress: Callable[[str], None]) -> Outcome:
+    """The certified plan of the least makespan."""
+    blank = Outcome(name, OURS, len(scene.agents))
+    best = fastest(scene, progress=progress)
+    if best is None or best.plan.trajectories is None:
+        return Outcome(name, OURS, len(scene.agents), note="no plan")
+    everyone = np.ones(blank.agents, dtype=bool)
+    motion = Motion(list(best.plan.trajectories.curves()), everyone, rests=True)
+    planned = best.plan.run["seconds"]["total"]
+    note = f"certified; {planned:.1f} s of it are the plan itself"
+    return measured(blank, scene, build_free_space(scene), motion, best.seconds, note)
+
+
+def rival_outcome(task: Task, name: str, planner: str, drive: Callable[[Task], Motion]) -> Outcome:
+    """One rival on one scene."""
+    blank = Outcome(name, planner, len(task.scene.agents))
+    began = time.perf_counter()
+    motion = drive(task)
+    seconds = time.perf_counter() - began
+    return measured(blank, task.scene, task.free_space, motion, seconds, motion.note)
+
+
+def build_task(scene: Scene) -> Task:
+    """The scene as rivals get it.
+
+    Raises:
+        UsageError: the agents differ in speed or acceleration, or have no limits.
+    """
+    limits = {(agent.max_speed, agent.max_acceleration) for agent in scene.agents}
+    speed, acceleration = limits.pop()
+    if limits or speed is None or acceleration is None:
+        raise UsageError(f"{scene.name}: every agent needs the same max_speed and max_acceleration")
+    free_space = build_free_space(scene)
+    curves = list(seed(scene).seed.curves())
+    return Task(
+        scene, free_space, speed, acceleration, _ways(scene, free_space), curves, TIME_LIMIT
+    )
+
+
+def _ways(scene: Scene, free_space: FreeSpace | None) -> list[FloatArray]:
+    """(n, 2) the shortest way of every agent alone."""
+    curves = geodesic_curves(RodProblem.from_scene(scene, free_space), free_space)
+    return [curve[:, :2] for curve in curves if curve is not None]
+
+
+def measured(
+    blank: Outcome,
+    scene: Scene,
+    free_space: FreeSpace | None,
+    motion: Motion,
+    seconds: float,
+    note: str,
+) -> Outcome:
+    """The figures of a motion; agents count until the end of their curves."""
+    if not motion.curves:
+        return Outcome(blank.scene, blank.planner, blank.agents, seconds=seconds, note=note)
+    latest = max(float(curve[-1, 2]) for curve in motion.curves)
+    return Outcome(
+        blank.scene,
+        blank.planner,
+        blank.agents,
+        int(motion.arrived.sum()),
+        latest if motion.arrived.all() else np.nan,
+        sum(float(np.hypot(*np.diff(curve[:, :2], axis=0).T).sum()) for curve in motion.curves),
+        max(greatest_acceleration(curve, rests=motion.rests) for curve in motion.curves),
+        smallest_clearance(scene, free_space, motion.curves),
+        seconds,
+        note,
+    )
+
+
+def greatest_acceleration(curve: FloatArray, *, rests: bool = False) -> float:
+    """The greatest change of velocity between neighbouring segments over the time between their middles.
+
+    Where the agent `rests`, it stands still before and after, as the certificate has it.
+    """
+    step = np.diff(curve, axis=0)
+    velocity = step[:, :2] / step[:, 2:]
+    between = 0.5 * (step[1:, 2] + step[:-1, 2])
+    if rests:
+        velocity = np.vstack([np.zeros(2), velocity, np.zeros(2)])
+        between = np.concatenate([0.5 * step[:1, 2], between, 0.5 * step[-1:, 2]])
+    return float((np.hypot(*np.diff(velocity, axis=0).T) / between).max(initial=0.0))
+
+
+def smallest_clearance(
+    scene: Scene, free_space: FreeSpace | None, curves: Sequence[FloatArray]
+) -> float:
+    """The smallest clearance of agents to one another and to the walls, in continuous time, m."""
+    count = len(curves)
+    wanted = np.triu(np.ones((count, count), dtype=bool), 1)
+    lines = WorldLines.from_curves([agent.id for agent in scene.agents], list(curves))
+    leaves = np.array([curve[-1, 2] for curve in curves])
+    found = nearest_moments(lines, leaves, wanted)
+    radii = np.array([agent.radius for agent in scene.agents])
+    gaps = found.distance - radii[found.pairs].sum(axis=1)
+    smallest = float(gaps.min(initial=np.inf))
+    if free_space is not None:
+        walls = (wall_distance(free_space, curve)[0] for curve in curves)
+        smallest = min(
+            smallest, *(wall - radius for wall, radius in zip(walls, radii, strict=True))
+        )
+    return float(smallest)

@@ -1,0 +1,1 @@
+"""Pictures, movies, an interactive page and exports of runs."""

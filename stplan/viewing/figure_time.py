@@ -1,0 +1,172 @@
+"""A run over time: clearance of the tightest pairs, speeds, arrivals."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.legend_handler import HandlerTuple
+from matplotlib.lines import Line2D
+
+from stplan.arrays import FloatArray
+from stplan.viewing.clearances import (
+    TightMoment,
+    pair_clearance,
+    smallest_clearance,
+    tight_pairs,
+    tight_walls,
+)
+from stplan.viewing.drawing import FAINT, INK, MUTED, WALL, WARNING
+from stplan.viewing.motion import segment_speeds
+from stplan.viewing.palette import hex_colours
+from stplan.viewing.run_view import RunView
+from stplan.viewing.waits import waits
+
+_PAIRS = 5
+_SAMPLES = 600
+# Rows with names up to so many agents; single curves of speed up to so many.
+_NAMED = 24
+_SINGLE = 40
+
+
+def metres(length: float) -> str:
+    """A length in words: 3.2 mm, 4.1 cm, 1.20 m."""
+    size = abs(length)
+    if size < 0.01:
+        return f"{1000 * length:.2g} mm"
+    return f"{100 * length:.2g} cm" if size < 0.995 else f"{length:.3g} m"
+
+
+def draw_clearance(axes: Axes, view: RunView) -> None:
+    """Clearance of the tightest pairs, of the rest and of the walls, over time against zero."""
+    pairs, walls = tight_pairs(view), tight_walls(view)
+    times = np.linspace(view.begin, view.end, _SAMPLES)
+    times = np.union1d(times, [moment.time for moment in pairs[:_PAIRS]])
+    colours = hex_colours(view.num_agents)
+    names = view.lines.agent_ids
+    axes.set_title("Clearance")
+    axes.set_ylabel("m")
+    axes.axhline(0.0, color=WARNING, lw=1.2, zorder=2)
+    handles: list[tuple[Line2D, ...]] = []
+    labels: list[str] = []
+    between, to_walls = smallest_clearance(view, times)
+    if walls:
+        line = axes.plot(times, _finite(to_walls), color=WALL, lw=1.0, ls=(0, (4, 2)))
+        handles.append(tuple(line))
+        labels.append(f"{names[walls[0].who[0]]} and a wall: {metres(walls[0].clearance)}")
+    for moment in pairs[:_PAIRS]:
+        a, b = moment.who
+        curve = pair_clearance(view, a, b, times)
+        whole = axes.plot(times, curve, color=colours[a], lw=1.7)
+        dashes = axes.plot(times, curve, color=colours[b], lw=1.7, ls=(0, (3, 3)))
+        handles.append((*whole, *dashes))
+        labels.append(f"{names[a]} and {names[b]}: {metres(moment.clearance)}")
+        axes.plot(moment.time, moment.clearance, "o", ms=4, color=INK, zorder=4)
+    if len(pairs) > _PAIRS:
+        line = axes.plot(times, _finite(between), color=FAINT, lw=4.0, zorder=1)
+        handles.append(tuple(line))
+        labels.append("tightest of all pairs")
+    _limit(axes, view, [*pairs[:_PAIRS], *walls[:1]], between)
+    if pairs or walls:
+        axes.legend(
+            handles, labels, loc="upper left", bbox_to_anchor=(-0.06, -0.13), ncols=2,
+            handlelength=2.2, columnspacing=1.2, handler_map={tuple: HandlerTuple(ndivide=1, pad=0)},
+        )  # fmt: skip
+    else:
+        axes.text(0.5, 0.5, "nobody keeps a distance", transform=axes.transAxes, ha="center",
+                  color=MUTED)  # fmt: skip
+
+
+def _finite(values: FloatArray) -> FloatArray:
+    return np.where(np.isfinite(values), values, np.nan)
+
+
+def _limit(axes: Axes, view: RunView, moments: list[TightMoment], between: FloatArray) -> None:
+    """Show what is near zero, however far apart agents are most of the time."""
+    least = min((moment.clearance for moment in moments), default=0.0)
+    near = 5 * float(np.median(view.radii))
+    widest = float(np.max(between, where=np.isfinite(between), initial=0.0))
+    top = max(near, 1.5 * max((moment.clearance for moment in moments), default=0.0))
+    top = min(top, max(1.1 * widest, near / 5))
+    bottom = min(-0.06 * top, 1.2 * least)
+    axes.set_ylim(bottom, top)
+    axes.set_xlim(view.begin, max(view.end, view.begin + 1e-9))
+    axes.axhspan(bottom, 0.0, color=WARNING, alpha=0.08, lw=0)
+    axes.set_xlabel("time, s", loc="right", labelpad=1)
+
+
+def draw_speed(axes: Axes, view: RunView) -> None:
+    """Speed of everyone over time; of very many the median and the middle half as well."""
+    axes.set_title("Speed")
+    axes.set_ylabel("m/s")
+    axes.set_xlabel("time, s", loc="right", labelpad=1)
+    single = view.num_agents <= _SINGLE
+    for curve, colour in zip(view.lines.curves(), hex_colours(view.num_agents), strict=True):
+        axes.stairs(
+            segment_speeds(curve), curve[:, 2], color=colour, lw=1.3 if single else 0.6,
+            alpha=0.9 if single else 0.25, baseline=None,
+        )  # fmt: skip
+    if not single:
+        times, low, middle, high = _quartiles(view)
+        axes.fill_between(times, low, high, color=INK, alpha=0.12, lw=0, label="middle half")
+        axes.plot(times, middle, color=INK, lw=1.6, label="median")
+        axes.legend(loc="upper right")
+    fastest = max(float(segment_speeds(curve).max()) for curve in view.lines.curves())
+    axes.set_ylim(0.0, 1.08 * fastest if fastest > 0 else 1.0)
+    axes.set_xlim(view.begin, max(view.end, view.begin + 1e-9))
+
+
+def _quartiles(view: RunView) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Times, and the quartiles of the speeds of all who are on their way then."""
+    times = np.linspace(view.begin, view.end, 202)[1:-1]
+    speeds = np.full((view.num_agents, len(times)), np.nan)
+    for a, curve in enumerate(view.lines.curves()):
+        under_way = (times >= curve[0, 2]) & (times < curve[-1, 2])
+        segment = np.searchsorted(curve[:, 2], times[under_way], side="right") - 1
+        speeds[a, under_way] = segment_speeds(curve)[segment]
+    times = times[~np.isnan(speeds).all(axis=0)]
+    speeds = speeds[:, ~np.isnan(speeds).all(axis=0)]
+    low, middle, high = np.nanpercentile(speeds, [25, 50, 75], axis=0)
+    return times, low, middle, high
+
+
+def draw_arrivals(axes: Axes, view: RunView) -> None:
+    """From start to arrival, a row an agent; waits are open, wanted arrivals are diamonds."""
+    axes.set_title("On the way, waiting, arrived")
+    axes.set_xlabel("time, s", loc="right", labelpad=1)
+    colours = hex_colours(view.num_agents)
+    rows = np.arange(view.num_agents)
+    thickness = 0.6 if view.num_agents <= _SINGLE else 0.9
+    begins = view.lines.knots[view.lines.offsets[:-1], 2]
+    axes.barh(rows, view.arrivals - begins, left=begins, height=thickness, color=colours)
+    for wait in waits(view):
+        axes.barh(
+            wait.a, wait.end - wait.begin, left=wait.begin, height=0.7 * thickness, color="white",
+            alpha=0.78, lw=0,
+        )  # fmt: skip
+        if wait.b is not None and view.num_agents <= _NAMED:
+            axes.text(
+                0.5 * (wait.begin + wait.end), wait.a, view.lines.agent_ids[wait.b], fontsize=6,
+                ha="center", va="center", clip_on=True, color=INK,
+            )  # fmt: skip
+    wished = ~np.isnan(view.preferred)
+    axes.scatter(
+        view.preferred[wished], rows[wished], marker="D", s=22, c="white", edgecolors=INK,
+        linewidths=1.0, zorder=4, label="wanted arrival",
+    )  # fmt: skip
+    if view.num_agents <= _NAMED:
+        axes.set_yticks(rows, view.lines.agent_ids)
+        axes.tick_params(axis="y", length=0, labelcolor=INK)
+        for row, arrival in zip(rows, view.arrivals, strict=True):
+            axes.annotate(
+                f"{arrival:.1f}", (arrival, row), xytext=(4, 0), textcoords="offset points",
+                fontsize=7, va="center", color=MUTED,
+            )  # fmt: skip
+    else:
+        axes.set_ylabel(f"{view.num_agents} agents")
+        axes.set_yticks([])
+    axes.set_ylim(view.num_agents - 0.4, -0.6)
+    axes.grid(axis="y", visible=False)
+    latest = max(view.end, float(np.max(view.preferred[wished], initial=view.end)))
+    axes.set_xlim(view.begin, latest + 0.08 * (latest - view.begin))
+    if wished.any():
+        axes.legend(loc="upper left", bbox_to_anchor=(-0.02, -0.13), handletextpad=0.2)

@@ -1,0 +1,120 @@
+"""The interactive page of a run: one HTML file that needs no network.
+
+The page itself (`page/source/`, JavaScript with three.js) is built once by `make page` and carried in the
+package; here a run is put into it.
+"""
+
+from __future__ import annotations
+
+import json
+from importlib import resources
+from typing import Any
+
+import numpy as np
+import shapely
+
+from stplan.arrays import FloatArray
+from stplan.viewing.clearances import TightMoment, smallest_clearance, tight_pairs, tight_walls
+from stplan.viewing.motion import segment_speeds
+from stplan.viewing.palette import hex_colours
+from stplan.viewing.run_view import RunView
+from stplan.viewing.waits import Wait, waits
+
+_SAMPLES = 600
+# Clearances are shown up to so many times the median radius.
+_REACH = 4.0
+
+
+def page_bytes(view: RunView) -> bytes:
+    """The page with `view` in it."""
+    template = resources.files("stplan.viewing").joinpath("page/built/page.html").read_text("utf-8")
+    # JSON may hold any text; without this one letter none of it can end the element it stands in.
+    content = json.dumps(page_content(view), separators=(",", ":"), allow_nan=False)
+    return template.replace("__RUN__", content.replace("<", "\\u003c"), 1).encode()
+
+
+def page_content(view: RunView) -> dict[str, Any]:
+    """What the page's scripts read: lengths in m, times in s, agents by their index."""
+    waiting = waits(view)
+    moments = sorted(tight_pairs(view) + tight_walls(view), key=lambda moment: moment.clearance)
+    return {
+        "title": view.title,
+        "description": view.description,
+        "notes": list(view.notes),
+        "begin": view.begin,
+        "end": view.end,
+        "bounds": list(view.bounds),
+        "map": _rings(view),
+        "agents": [
+            _agent(view, a, colour, waiting)
+            for a, colour in enumerate(hex_colours(view.num_agents))
+        ],
+        "seed": _seed(view),
+        "moments": [_moment(moment) for moment in moments],
+        "clearance": _clearance(view),
+    }
+
+
+def _agent(view: RunView, a: int, colour: str, waiting: list[Wait]) -> dict[str, Any]:
+    curve = view.lines.curve(a)
+    length = float(np.hypot(*np.diff(curve[:, :2], axis=0).T).sum())
+    preferred = float(view.preferred[a])
+    return {
+        "id": view.lines.agent_ids[a],
+        "colour": colour,
+        "radius": float(view.radii[a]),
+        "knots": _rounded(curve),
+        "leaves": float(view.leaves[a]),
+        "preferred": None if np.isnan(preferred) else preferred,
+        "length": length,
+        "mean": length / float(curve[-1, 2] - curve[0, 2]),
+        "top": float(segment_speeds(curve).max()),
+        "waits": [
+            {"begin": wait.begin, "end": wait.end, "b": wait.b} for wait in waiting if wait.a == a
+        ],
+    }
+
+
+def _moment(moment: TightMoment) -> dict[str, Any]:
+    return {
+        "a": moment.who[0],
+        "b": moment.who[1] if len(moment.who) > 1 else None,
+        "clearance": float(f"{moment.clearance:.6g}"),
+        "time": round(moment.time, 6),
+        "x": round(moment.place[0], 6),
+        "y": round(moment.place[1], 6),
+    }
+
+
+def _rings(view: RunView) -> list[list[list[list[float]]]] | None:
+    """Polygons as an outer ring and holes, none of them closed."""
+    if view.free_space is None:
+        return None
+    return [
+        [_rounded(np.asarray(ring.coords)[:-1, :2]) for ring in (part.exterior, *part.interiors)]
+        for part in shapely.get_parts(view.free_space.polygon)
+    ]
+
+
+def _seed(view: RunView) -> list[list[list[float]]] | None:
+    """Initial curves in the order of the agents, None where they are not all known."""
+    if view.seed is None or set(view.seed.agent_ids) != set(view.lines.agent_ids):
+        return None
+    place = {agent_id: a for a, agent_id in enumerate(view.seed.agent_ids)}
+    return [_rounded(view.seed.curve(place[name])) for name in view.lines.agent_ids]
+
+
+def _clearance(view: RunView) -> dict[str, Any]:
+    times = np.linspace(view.begin, view.end, _SAMPLES)
+    between, to_walls = smallest_clearance(view, times)
+    return {
+        "times": _rounded(times),
+        "reach": _REACH * float(np.median(view.radii)),
+        "pairs": [float(f"{v:.4g}") if np.isfinite(v) else None for v in between.tolist()],
+        "walls": [float(f"{v:.4g}") if np.isfinite(v) else None for v in to_walls.tolist()],
+    }
+
+
+def _rounded(numbers: FloatArray) -> Any:
+    """As lists, to a micrometre and a microsecond."""
+    return np.round(numbers, 6).tolist()

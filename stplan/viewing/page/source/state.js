@@ -1,0 +1,58 @@
+// What the page shows just now: the time, who is selected or pointed at. Views listen.
+
+export class State {
+  constructor(run) {
+    this.run = run;
+    this.time = run.begin;
+    this.playing = false;
+    this.speed = 1;
+    this.selected = new Set();
+    this.hovered = null;
+    this.moment = null;
+    this.listeners = [];
+  }
+
+  /** Call `listener(what)` after a change of "time", "playing", "selection", "hover" or "theme". */
+  listen(listener) {
+    this.listeners.push(listener);
+  }
+
+  tell(what) {
+    for (const listener of this.listeners) listener(what);
+  }
+
+  seek(time) {
+    this.time = Math.min(Math.max(time, this.run.begin), this.run.end);
+    this.tell("time");
+  }
+
+  play(playing) {
+    if (playing && this.time >= this.run.end) this.seek(this.run.begin);
+    this.playing = playing;
+    this.tell("playing");
+  }
+
+  /** Isolate these agents; none shows all. */
+  select(agents, moment = null) {
+    this.selected = new Set(agents);
+    this.moment = moment;
+    this.tell("selection");
+  }
+
+  hover(agent) {
+    if (agent === this.hovered) return;
+    this.hovered = agent;
+    this.tell("hover");
+  }
+
+  /** Stop at a tight moment and isolate who is in it. */
+  goTo(moment) {
+    this.play(false);
+    this.seek(moment.time);
+    this.select(moment.b === null ? [moment.a] : [moment.a, moment.b], moment);
+  }
+
+  shows(agent) {
+    return this.selected.size === 0 || this.selected.has(agent);
+  }
+}

@@ -1,0 +1,148 @@
+"""What is said of a scene that nobody has planned."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stplan.explain.passages import passages
+from stplan.explain.scene import explain_scene
+from stplan.scene.load import parse_scene
+from stplan.scene.model import Scene
+from stplan.world import build_free_space
+
+# A wall at x = 5 with a gap of 0.6 m around y = 1.8.
+GAP = (
+    "{rectangle: [0, 0, 10, 4], obstacles: "
+    "[{rectangle: [4.9, 0, 5.1, 1.5]}, {rectangle: [4.9, 2.1, 5.1, 4]}]}"
+)
+
+
+def scene_of(*agents: str, world: str = "", top: str = "") -> Scene:
+    listed = "".join(f"  - {{{agent}}}\n" for agent in agents)
+    head = f"map: {world}\n" if world else ""
+    return parse_scene(f"stplan: 1\nhorizon: 20\n{top}{head}agents:\n{listed}")
+
+
+def told(scene: Scene, time_limit: float = 0.0) -> tuple[str, bool]:
+    explanation, plannable = explain_scene(
+        scene, build_free_space(scene), time_limit=time_limit, progress=lambda line: None
+    )
+    return "\n".join(explanation.lines(everything=True)), plannable
+
+
+SAM = "id: sam, start: [1, 2], goal: [9, 2], radius: 0.25"
+ANN = "id: ann, start: [9, 1], goal: [1, 1], radius: 0.2"
+
+
+def test_a_narrow_place_and_who_has_to_pass_it():
+    scene = scene_of(SAM, ANN, world=GAP)
+    (passage,) = passages(scene, build_free_space(scene)).facts
+    assert passage.agents == ("sam", "ann")
+    assert passage.half_width == pytest.approx(0.3, abs=1e-3)
+    assert passage.place == pytest.approx((5.0, 1.8), abs=0.01)
+    assert (passage.blocked, passage.stop, passage.side_by_side) == ((), False, False)
+    assert passage.sentence() == (
+        "the way of sam and ann is 0.6 m wide near (5, 1.8), which leaves 50 mm on either side "
+        "of a radius of 0.25 m; one at a time"
+    )
+
+
+def test_side_by_side():
+    scene = scene_of(
+        SAM.replace("0.25", "0.1"), ANN.replace("0.2", "0.1"), world=GAP.replace("2.1", "2.0")
+    )
+    (passage,) = passages(scene, build_free_space(scene)).facts
+    assert passage.side_by_side
+    assert "one at a time" not in passage.sentence()
+
+
+def test_a_stop_near_a_wall():
+    scene = scene_of("id: sam, start: [0.26, 2], goal: [4, 2], radius: 0.25", world=GAP)
+    (passage,) = passages(scene, build_free_space(scene)).facts
+    assert (passage.stop, passage.place) == (True, (0.26, 2.0))
+    assert passage.half_width == pytest.approx(0.26)
+
+
+def test_a_corridor_is_narrow_somewhere_within():
+    scene = scene_of(
+        "id: sam, start: [0.6, 0.5], goal: [9, 0.5], radius: 0.3",
+        world="{rectangle: [0, 0, 10, 1]}",
+    )
+    (passage,) = passages(scene, build_free_space(scene)).facts
+    assert passage.half_width == pytest.approx(0.5, abs=1e-3)
+    assert 0.5 < passage.place[0] < 9.5
+
+
+def test_wide_places_and_agents_without_walls_are_passed_over():
+    wide = scene_of("id: sam, start: [5, 5], goal: [9, 5]", world="{rectangle: [0, 0, 20, 10]}")
+    assert not passages(wide, build_free_space(wide)).facts
+    blind = scene_of(SAM + ", weights: {wall: 0}", world=GAP)
+    assert not passages(blind, build_free_space(blind)).facts
+    assert not passages(scene_of(SAM), None).facts
+
+
+def test_a_goal_that_cannot_be_reached():
+    scene = scene_of(SAM.replace("0.25", "0.31"), ANN, world=GAP)
+    text, plannable = told(scene, time_limit=5.0)
+    assert not plannable
+    assert text.startswith("scene: a valid scene, but there is no way to start.")
+    assert (
+        "the way of sam and ann is 0.6 m wide near (5, 1.8), too narrow for sam: "
+        "a radius of 0.31 m needs 20 mm more" in text
+    )
+    assert "the widest lets a radius of 0.3 m through, the agent's is 0.31 m" in text
+
+
+def test_agents_that_cannot_get_past_each_other():
+    scene = scene_of(
+        "id: sam, start: [1, 0.5], goal: [9, 0.5]",
+        "id: ann, start: [9, 0.5], goal: [1, 0.5]",
+        world="{rectangle: [0, 0, 10, 1]}",
+        top="seeding: {time_limit: 600}\n",
+    )
+    text, plannable = told(scene, time_limit=600.0)
+    assert not plannable
+    assert "sam and ann would be 0.6 m too near at t = 10.00 s, (5, 0.5)" in text
+    assert "No collision-free initial curves:\n  - " in text
+    assert "sam and ann" in text.partition("Initial curves")[2]
+
+
+def test_who_is_there_and_who_would_meet():
+    scene = scene_of(
+        "id: sam, start: [-5, 0], goal: [5, 0], mass: 80",
+        "id: ann, start: [0, -5], goal: [0, 5], radius: 0.5",
+        "id: tram, path: [[-5, 9, 0], [5, 9, 9]]",
+        top="pairs: [{between: [tram, all], collide: false}, {between: [sam, ann], grouping: 2}]\n",
+    )
+    text, plannable = told(scene)
+    assert plannable
+    assert "3 agents of radius 0.3 to 0.5 m and mass 1 to 80 kg, within 20 s:" in text
+    assert "1 of 3 pairs of agents may not touch" in text
+    assert "1 pair of agents are drawn together" in text
+    assert "1 agent moves as told" in text
+    assert "1 of 1 pair would come too near:" in text
+    assert "sam and ann would be 0.8 m too near at t = 10.00 s, (0, 0)" in text
+    assert "Initial curves" not in text
+
+
+def test_initial_curves_are_explained_where_they_are_found():
+    # Patient, for a busy machine that compiles the first time.
+    scene = scene_of(SAM, ANN, top="seeding: {time_limit: 600}\n")
+    text, plannable = told(scene, time_limit=600.0)
+    assert plannable
+    assert "Everybody can take its shortest way at constant speed: nobody meets." in text
+    assert "Initial curves\n  Found by relaxation." in text
+    assert "Nobody waits or holds back for anybody." in text
+
+
+def test_the_same_words_every_time():
+    generator = np.random.default_rng(4)
+    agents = [
+        f"id: a{k}, start: [{x:.3f}, {k}], goal: [{y:.3f}, {9 - k}], radius: 0.2"
+        for k, (x, y) in enumerate(generator.uniform(0, 9, (10, 2)))
+    ]
+    world = (
+        "{rectangle: [-1, -1, 10, 10], obstacles: [{circle: {center: [4.5, 4.5], radius: 0.3}}]}"
+    )
+    assert told(scene_of(*agents, world=world)) == told(scene_of(*agents, world=world))

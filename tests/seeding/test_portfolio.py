@@ -1,0 +1,118 @@
+"""The portfolio as a whole: what it says when there is no way, its limit, and how its parts work together."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stplan.errors import SeedingError
+from stplan.scene.model import Scene
+from stplan.seeding.polish import kinetic_cost, polish
+from stplan.seeding.portfolio import Seed, find_seed
+from stplan.seeding.rods import RodProblem, verify
+from stplan.seeding.search import search_curves
+from stplan.seeding.smoothing import smooth_curves
+from stplan.world import build_free_space
+from tests.seeding.families import circle
+from tests.seeding.tight_families import door, make_scene, rectangle
+
+ROOM = rectangle(0, 0, 8, 6)
+
+
+def seed(scene: Scene) -> Seed:
+    return find_seed(scene, build_free_space(scene), progress=lambda line: None)
+
+
+def failure(scene: Scene) -> str:
+    with pytest.raises(SeedingError) as caught:
+        seed(scene)
+    return str(caught.value)
+
+
+def with_seeding(scene: Scene, **changes: object) -> Scene:
+    return replace(scene, seeding=replace(scene.seeding, **changes))
+
+
+def with_speed(scene: Scene, speed: float) -> Scene:
+    return replace(scene, agents=tuple(replace(one, max_speed=speed) for one in scene.agents))
+
+
+def test_a_start_that_cannot_move_is_proven_hopeless() -> None:
+    cell = [rectangle(1.4, 1.0, 1.6, 3.0), rectangle(0.0, 2.8, 1.6, 3.0)]
+    message = failure(make_scene("x", ROOM, cell, [((0.7, 1.4), (6.0, 3.0))], radii=0.6))
+    assert message.startswith("no collision-free curves exist: ")
+    assert "through, the agent's is 0.6 m" in message
+
+
+def test_the_widest_radius_that_gets_through_is_named() -> None:
+    walls = [rectangle(3.5, -1, 4.5, 2.6), rectangle(3.5, 3.4, 4.5, 7)]
+    journey = [((1.0, 3.0), (7.0, 3.0))]
+    message = failure(make_scene("x", ROOM, walls, journey, radii=0.5))
+    assert message.startswith("no collision-free curves exist: a0: no way connects")
+    assert "a radius of 0.4 m through" in message
+    assert seed(make_scene("x", ROOM, walls, journey, radii=0.39)).found_by
+
+
+def test_a_horizon_too_short_for_the_shortest_way_is_proven_hopeless() -> None:
+    # Round the wall's end the way is 2 * hypot(3, 4) m and a little, straight it would be 6 m.
+    wall = [rectangle(3.99, -1, 4.01, 4.7)]
+    scene = make_scene("x", ROOM, wall, [((1.0, 1.0), (7.0, 1.0))], horizon=10.0)
+    message = failure(with_speed(scene, 0.95))
+    assert message.startswith("no curves keep the limits of the scene: ")
+    assert "a0 cannot reach its goal by 10 s: its way is at least 1" in message
+    assert "at 0.95 m/s" in message
+    in_the_open = replace(scene, map=None)
+    assert "at least 6 m long" in failure(with_speed(in_the_open, 0.55))
+
+
+def test_what_is_not_found_within_the_limit_says_so_and_claims_no_proof() -> None:
+    lane = rectangle(0, 0, 12, 0.8)
+    x = [1.0, 2.0, 3.0, 9.0, 10.0, 11.0]
+    journeys = [((a, 0.4), (b, 0.4)) for a, b in zip(x, x[::-1], strict=True)]
+    scene = make_scene("x", lane, [], journeys, horizon=20.0)
+    message = failure(with_seeding(scene, time_limit=1.0))
+    assert message.startswith("no collision-free initial curves: ")
+    assert "not found within 1 s; raise seeding.time_limit" in message
+    assert "proven" not in message
+
+
+@pytest.mark.parametrize("method", ["auto", "relaxation", "search", "dijkstra"])
+def test_no_part_goes_on_when_the_limit_has_struck(method: str) -> None:
+    message = failure(with_seeding(circle(20, 8.0, 20.0), time_limit=1e-6, method=method))
+    assert "not found within 1e-06 s" in message
+
+
+def test_the_limit_does_not_decide_which_curves_are_found() -> None:
+    scene = door(np.random.default_rng(3), per_side=3)
+    short, long = (seed(with_seeding(scene, time_limit=limit)) for limit in (60.0, 6000.0))
+    assert short.world_lines.knots.tobytes() == long.world_lines.knots.tobytes()
+
+
+def test_what_search_found_is_relaxed() -> None:
+    parts = []
+    for draw in range(3):
+        scene = door(np.random.default_rng(draw), per_side=4)
+        free_space = build_free_space(scene)
+        problem = RodProblem.from_scene(scene, free_space)
+        found = search_curves(problem, free_space, settings=scene.seeding)
+        assert found.curves is not None
+        smooth = smooth_curves(problem, found.curves, margin=1.05, rng_seed=0, check=lambda: None)
+        assert verify(problem, smooth) == []
+        polished = polish(problem, found.curves)
+        parts.append(kinetic_cost(problem, smooth) / kinetic_cost(problem, polished))
+    assert max(parts) <= 1.0
+    assert min(parts) < 0.97
+
+
+def test_what_a_check_raises_ends_the_work() -> None:
+    scene = circle(4, 8.0, 20.0)
+    problem = RodProblem.from_scene(scene, None)
+    curves = [np.array([[*one.start, 0.0], [*one.goal, 20.0]]) for one in scene.agents]
+
+    def check() -> None:
+        raise SeedingError("enough")
+
+    with pytest.raises(SeedingError, match="enough"):
+        smooth_curves(problem, curves, margin=1.05, rng_seed=0, check=check)

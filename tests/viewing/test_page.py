@@ -1,0 +1,61 @@
+"""The page as a file: complete, up to date, and what is in it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from importlib import resources
+from pathlib import Path
+
+import pytest
+
+import stplan.viewing
+from stplan.viewing.page import page_bytes, page_content
+from stplan.viewing.run_view import open_run
+from tests.viewing.runs import hall_run
+
+PAGE = Path(stplan.viewing.__file__).parent / "page"
+
+
+@pytest.fixture
+def view(tmp_path):
+    return open_run(hall_run(tmp_path))
+
+
+def test_the_built_page_is_that_of_its_sources():
+    sources = [*sorted((PAGE / "source").iterdir()), PAGE / "build.mjs", PAGE / "package-lock.json"]
+    digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()
+    built = resources.files("stplan.viewing").joinpath("page/built/page.html").read_text("utf-8")
+    assert built.startswith(f"<!-- sources {digest} -->"), "run `make page`"
+    assert "three-license.txt" in {path.name for path in (PAGE / "built").iterdir()}
+
+
+def test_the_page_loads_nothing(view):
+    text = page_bytes(view).decode()
+    assert "default-src 'none'" in text
+    assert not re.findall(r"<(?:script|link|img)[^>]+(?:src|href)=.(?!data:)", text)
+
+
+def test_no_text_of_a_scene_ends_the_element_it_stands_in(view):
+    text = page_bytes(view).decode()
+    written = re.search(r'<script id="run" type="application/json">(.*?)</script>', text, re.DOTALL)
+    assert written is not None
+    content = json.loads(written.group(1))
+    assert content["description"] == "two cross, one waits </script>"
+    assert content == json.loads(json.dumps(page_content(view)))
+
+
+def test_what_the_page_knows(view):
+    content = page_content(view)
+    ann, ben, cat = content["agents"]
+    assert ann["knots"] == [[-4.0, 0.0, 0.0], [4.0, 0.0, 8.0]]
+    assert (ann["preferred"], ben["preferred"]) == (7.0, None)
+    assert (ann["length"], ann["mean"], ann["top"]) == pytest.approx((8.0, 1.0, 1.0))
+    assert ben["waits"] == [{"begin": 1.5, "end": 5.0, "b": 0}]
+    assert cat["leaves"] == 9.0
+    assert len(content["moments"]) == 3 + 3
+    assert sum(moment["b"] is None for moment in content["moments"]) == 3
+    (part,) = content["map"]
+    assert sorted(map(tuple, part[0]))[0] == (-5.0, -3.0)
+    assert content["seed"][0][0] == [-4.0, 0.05, 0.0]
