@@ -12,17 +12,14 @@ from typing import Annotated
 
 import typer
 
-from stplan import cli_viewing
-from stplan.cli_bench import benchmarks
-from stplan.cli_options import Json, Output, Overrides, Quiet, ScenePaths, Verbose
-from stplan.cli_options import serve as _serve
+from stplan import cli_batch, cli_bench, cli_viewing
+from stplan.cli_options import Json, Output, Overrides, Quiet, ScenePaths, Verbose, serve
 from stplan.commands import (
     check_trajectories,
     compare,
     explain,
     plan_scenes,
     print_schema,
-    run_batch,
     validate_scenes,
 )
 from stplan.reporting import write
@@ -136,7 +133,7 @@ def solve(
       stplan solve scene.yaml -o results --set solver.outer_iterations=8
       stplan solve scenes/*/*.yaml --quiet
     """
-    _serve(
+    serve(
         quiet, verbose, as_json,
         lambda console: plan_scenes(console, scenes, output, overrides or [], seed_only=False),
     )  # fmt: skip
@@ -161,7 +158,7 @@ def seed(
     Example:
       stplan seed scenes/bottleneck/bottleneck.yaml --set seeding.rng_seed=3
     """
-    _serve(
+    serve(
         quiet, verbose, as_json,
         lambda console: plan_scenes(console, scenes, output, overrides or [], seed_only=True),
     )  # fmt: skip
@@ -192,7 +189,7 @@ def check(
       stplan check outputs/bottleneck
       stplan check scenes/bottleneck/bottleneck.yaml outputs/bottleneck/seed.csv
     """
-    _serve(
+    serve(
         quiet, verbose, as_json,
         lambda console: check_trajectories(console, run_or_scene, trajectories, overrides or []),
     )  # fmt: skip
@@ -229,7 +226,7 @@ def diff(
       stplan diff outputs/bottleneck expected/trajectories.csv --atol 1e-6
       stplan diff golden outputs --atol 1e-6 --format markdown >> "$GITHUB_STEP_SUMMARY"
     """
-    _serve(
+    serve(
         quiet, verbose, as_json or output_format == Format.JSON,
         lambda console: compare(
             console, a, b, atol, rtol,
@@ -274,7 +271,7 @@ def explain_command(
       stplan explain scenes/tight/cabin.yaml --all
       stplan explain scenes/bottleneck/bottleneck.yaml outputs/bottleneck/seed.csv --json
     """
-    _serve(
+    serve(
         quiet, verbose, as_json,
         lambda console: explain(
             console, run_or_scene, trajectories, overrides or [], time_limit,
@@ -301,7 +298,7 @@ def validate(
     Example:
       stplan validate scenes/*/*.yaml
     """
-    _serve(
+    serve(
         quiet, verbose, as_json, lambda console: validate_scenes(console, scenes, overrides or [])
     )
 
@@ -317,103 +314,7 @@ def schema() -> None:
     Example:
       stplan schema > stplan.schema.json
     """
-    _serve(False, False, True, print_schema)
-
-
-class OutputFormat(StrEnum):
-    """What `batch` prints when it is over."""
-
-    TEXT = "text"
-    JSON = "json"
-    JUNIT = "junit"
-    GITHUB = "github"
-
-
-@app.command()
-def batch(
-    scenes: Annotated[
-        list[str],
-        typer.Argument(metavar="SCENES", help="Scene files, folders of them, or glob patterns."),
-    ],
-    *,
-    output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="DIR", help="Results go to DIR/RUN/.")
-    ] = Path("outputs"),
-    jobs: Annotated[
-        int | None,
-        typer.Option("--jobs", "-j", min=1, help="Processes at a time.  [default: all cores]"),
-    ] = None,
-    overrides: Overrides = None,
-    sweeps: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--sweep",
-            metavar="KEY=A,B,C",
-            help="Run with each of the values; several sweeps: with every combination.",
-        ),
-    ] = None,
-    filters: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--filter",
-            metavar="PATTERN",
-            help="Only runs so named, as in 'circle-*'; may be repeated.",
-        ),
-    ] = None,
-    timeout: Annotated[
-        float | None,
-        typer.Option(metavar="SECONDS", help="Stop a run after so long, with its best so far."),
-    ] = None,
-    retries: Annotated[
-        int, typer.Option(min=0, help="Begin a run again so often if its worker dies.")
-    ] = 1,
-    fail_fast: Annotated[
-        bool,
-        typer.Option(
-            "--fail-fast/--keep-going", help="End at the first run that is not certified, or go on."
-        ),
-    ] = False,
-    force: Annotated[bool, typer.Option("--force", help="Plan again what is done.")] = False,
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Only say what would be planned, and why.")
-    ] = False,
-    dask: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ADDRESS", help="Run on this Dask cluster; 'local' starts one on this machine."
-        ),
-    ] = None,
-    output_format: Annotated[
-        OutputFormat, typer.Option("--output-format", help="What is printed on stdout at the end.")
-    ] = OutputFormat.TEXT,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-    as_json: Json = False,
-) -> None:
-    """Plan many scenes in parallel, leaving out what is done.
-
-    A run is done when its files are whole and were planned from the same scene, mesh and
-    settings by the same version. Killed at any moment, the same command goes on from there.
-
-    DIR/batch.csv and DIR/batch.json sum up. Exit status 0 only when every run is certified,
-    else the worst of the runs, in the order 5, 130, 2, 3, 4.
-
-    \b
-    Examples:
-      stplan batch scenes -o results --jobs 8
-      stplan batch 'scenes/**/circle-*.yaml' --sweep seeding.rng_seed=0,1,2 --dry-run
-      stplan batch scenes --timeout 300 --output-format junit > junit.xml
-      stplan batch scenes --dask tcp://10.0.0.1:8786
-    """
-    _serve(
-        quiet, verbose, as_json or output_format is OutputFormat.JSON,
-        lambda console: run_batch(
-            console, scenes, output=output, overrides=overrides or [], sweeps=sweeps or [],
-            filters=filters or [], jobs=jobs, timeout=timeout, retries=retries,
-            fail_fast=fail_fast, force=force, dask=dask, dry_run=dry_run,
-            output_format=output_format,
-        ),
-    )  # fmt: skip
+    serve(False, False, True, print_schema)
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
@@ -422,4 +323,5 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 
 app.add_typer(cli_viewing.app)
-app.add_typer(benchmarks(_serve))
+app.add_typer(cli_batch.app)
+app.add_typer(cli_bench.app)

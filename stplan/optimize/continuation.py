@@ -278,19 +278,19 @@ class _Loop:
     def _watched(
         self, stop: _Stop, problem: Problem, outer: int, mu: float, used: int
     ) -> Callable[[Iteration], bool]:
-        """`stop`, telling the live line about every iteration where there is one."""
-        live = self._live
-        if live is None:
-            return stop
+        """`stop`, telling the observer and the live line about every iteration."""
 
         def watched(iteration: Iteration) -> bool:
+            if self._observe is not None:
+                self._observe(iteration.knots, problem.terms)
             over = stop(iteration)
-            live(
-                lambda: self._line(
-                    outer, mu, iteration.objective,
-                    _least_clearance(problem.terms, iteration.knots), used + iteration.number,
-                )
-            )  # fmt: skip
+            if self._live is not None:
+                self._live(
+                    lambda: self._line(
+                        outer, mu, iteration.objective,
+                        _least_clearance(problem.terms, iteration.knots), used + iteration.number,
+                    )
+                )  # fmt: skip
             return over
 
         return watched
@@ -304,12 +304,6 @@ class _Loop:
         ipopt_mu: float | None,
     ) -> IpoptResult:
         solver = self._setting.scene.solver
-
-        def observed(iteration: Iteration) -> bool:
-            if self._observe is not None:
-                self._observe(iteration.knots, problem.terms)
-            return stop(iteration)
-
         return solve(
             problem,
             self._knots,
@@ -318,7 +312,7 @@ class _Loop:
             objective_scale=1.0 / self._setting.scales.energy,
             limited_memory=solver.hessian == "limited-memory",
             options=solver.ipopt,
-            stop=observed,
+            stop=stop,
             multipliers=multipliers,
             ipopt_mu=ipopt_mu,
         )
