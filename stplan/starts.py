@@ -10,17 +10,23 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from stplan.certify.metrics import kinetic_energy, turning
+from stplan.certify.pair_clearance import nearest_moments
 from stplan.errors import SeedingError
+from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Seed, find_seed
 from stplan.world import FreeSpace
 from stplan.world_lines import WorldLines
 
-# `solver.starts: auto` spends about as many relaxed agents as this, and at most so many starts: the more
-# agents there are, the less their classes differ in sum.
-RELAXED_AGENTS = 256
-MOST_STARTS = 8
+# `solver.starts: auto` makes so many starts for every pair an agent that would collide on straight ways:
+# each of them doubles the classes there are. It makes no more than that in all, and fewer the more pairs of
+# agents there are to relax: in large crowds the differences between classes even out.
+STARTS_A_CONFLICT = 1.4
+MOST_STARTS = 24
+RELAXED_PAIRS = 15_000
 
 
 def best_seed(
@@ -32,7 +38,7 @@ def best_seed(
         SeedingError: the first start found none.
     """
     best = find_seed(scene, free_space, progress=progress)
-    starts = scene.solver.starts or _worthwhile_starts(best, len(scene.agents))
+    starts = scene.solver.starts or _worthwhile_starts(scene, best)
     least, chosen = own_cost(scene, best.world_lines), 0
     for start in range(1, starts):
         other = replace(
@@ -63,8 +69,26 @@ def own_cost(scene: Scene, lines: WorldLines) -> float:
     return total
 
 
-def _worthwhile_starts(first: Seed, num_agents: int) -> int:
+def _worthwhile_starts(scene: Scene, first: Seed) -> int:
     """How many starts `auto` makes: search finds much the same seed every time."""
-    if first.found_by != "relaxation" or num_agents == 1:
+    count = len(scene.agents)
+    most = min(MOST_STARTS, RELAXED_PAIRS // max(count * (count - 1) // 2, 1))
+    if first.found_by != "relaxation" or most <= 1:
         return 1
-    return max(1, min(MOST_STARTS, RELAXED_AGENTS // num_agents))
+    return max(1, min(most, round(STARTS_A_CONFLICT * straight_conflicts(scene) / count)))
+
+
+def straight_conflicts(scene: Scene) -> int:
+    """Pairs that would collide if all went straight to their goals, as slowly as they may."""
+    curves = [
+        np.array([[*agent.start, agent.start_time], [*agent.goal, agent.max_time]])
+        if agent.path is None
+        else np.array(agent.path)
+        for agent in scene.agents
+    ]
+    interactions = scene_interactions(scene)
+    leaves = np.array([curve[-1, 2] for curve in curves])
+    lines = WorldLines.from_curves([agent.id for agent in scene.agents], curves)
+    found = nearest_moments(lines, leaves, interactions.collides)
+    needs = interactions.distance[found.pairs[:, 0], found.pairs[:, 1]]
+    return int((found.distance <= needs).sum())

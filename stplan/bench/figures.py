@@ -17,11 +17,11 @@ import numpy as np
 from stplan.bench import families_open as wide
 from stplan.bench import families_tight as tight
 from stplan.bench.runs import Run, in_own_process, run, warm_up, with_solver
-from stplan.certify.certificate import certify
 from stplan.errors import UsageError
 from stplan.optimize.continuation import optimise
 from stplan.pipeline import Plan
 from stplan.scene.model import Scene
+from stplan.starts import straight_conflicts
 from stplan.world import build_free_space
 from stplan.world_lines import WorldLines
 
@@ -213,17 +213,9 @@ def measure_one(name: str) -> Figure:
     scene = case.scene()
     warm_up()
     measured, planned = run(scene)
-    conflicts = None if scene.map else len(certify(scene, None, _straight(scene)).violations)
+    conflicts = None if scene.map else straight_conflicts(scene)
     figure = Figure(case.name, case.title, measured, conflicts)
     return _compared(figure, planned) if case.tight and planned is not None else figure
-
-
-def _straight(scene: Scene) -> WorldLines:
-    """Everyone straight and at constant speed, whoever is in the way."""
-    curves = [
-        np.array([(*one.start, one.start_time), (*one.goal, one.max_time)]) for one in scene.agents
-    ]
-    return WorldLines.from_curves([one.id for one in scene.agents], curves)
 
 
 def _compared(figure: Figure, planned: Plan) -> Figure:
