@@ -1,4 +1,4 @@
-"""Put what `stplan bench all` wrote into performance.md: `python docs/quote_benchmarks.py outputs/bench`.
+"""Put what `stplan bench` wrote into these pages: `python docs/quote_benchmarks.py outputs/bench`.
 
 Tables stand between a line `<!-- bench NAME -->` and the next `<!-- end -->`; pictures go beside the others.
 """
@@ -27,9 +27,9 @@ def quoted(page: str, folder: Path) -> str:
 
 
 def main(folder: Path) -> None:
-    """Renew the tables and pictures of performance.md."""
-    page = HERE / "performance.md"
-    page.write_text(quoted(page.read_text(encoding="utf-8"), folder), encoding="utf-8")
+    """Renew the tables and pictures of the pages that quote benchmarks."""
+    for page in (HERE / "performance.md", HERE / "seeding.md"):
+        page.write_text(quoted(page.read_text(encoding="utf-8"), folder), encoding="utf-8")
     for picture in sorted(folder.glob("*.png")):
         shutil.copyfile(picture, HERE / "pictures" / f"bench-{picture.name}")
 

@@ -17,14 +17,16 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+import shapely
 
 from stplan.arrays import FloatArray
 from stplan.compiled import working_time
 from stplan.errors import SeedingError
 from stplan.scene.model import Scene, SeedingSettings
-from stplan.seeding.diagnosis import hopeless
+from stplan.seeding.diagnosis import hopeless, not_connected
 from stplan.seeding.dijkstra import dijkstra_curves
 from stplan.seeding.geodesic import geodesic_curves
+from stplan.seeding.layered import exact_points
 from stplan.seeding.meeting_places import MeetingPlace, with_meeting_places
 from stplan.seeding.polish import prepare_seed
 from stplan.seeding.relaxation import RelaxationResult, relax
@@ -41,6 +43,10 @@ from stplan.seeding.time_bounds import out_of_time
 from stplan.world import FreeSpace, build_seeding_mesh
 from stplan.world_lines import WorldLines
 
+# A map this many times as large as what surrounds the agents is cut down to that for the search: their
+# bounding box and as much on every side, or so many radii where they hardly move.
+SPACIOUS = 16.0
+SURROUNDINGS_RADII = 20.0
 Progress = Callable[[str], None]
 
 # Knots of a string while it relaxes.
@@ -181,7 +187,7 @@ def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress)
     if sentences:
         raise SeedingError("no collision-free curves exist: " + "\n  ".join(sentences))
     _refuse_out_of_time(scene, free_space)
-    portfolio = _Portfolio(scene, problem, free_space, progress, deadline)
+    portfolio = _Portfolio(scene, problem, _surroundings(problem, free_space), progress, deadline)
     for part in _parts(portfolio):
         part()
         if portfolio.curves is not None or portfolio.timed_out():
@@ -198,6 +204,23 @@ def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress)
     progress(f"seed found by {portfolio.found_by}")
     lines = WorldLines.from_curves(problem.agent_ids, curves)
     return Seed(lines, portfolio.found_by, portfolio.record, meetings)
+
+
+def _surroundings(problem: RodProblem, free_space: FreeSpace | None) -> FreeSpace | None:
+    """The map, or the part of it around the agents where it is far wider than their ways.
+
+    A roadmap of the whole would be coarse where agents move, and take long elsewhere.
+    """
+    if free_space is None:
+        return None
+    places = np.vstack(exact_points(problem))
+    low, high = places.min(axis=0), places.max(axis=0)
+    room = max(float((high - low).max()), SURROUNDINGS_RADII * float(problem.radii.max()))
+    box = shapely.box(*(low - room), *(high + room))
+    if free_space.polygon.area < SPACIOUS * box.area:
+        return free_space
+    near = FreeSpace.from_polygon(shapely.intersection(free_space.polygon, box))
+    return free_space if not_connected(problem, near, problem.radii) else near
 
 
 def _prepared(portfolio: _Portfolio, deadline: float) -> list[FloatArray]:

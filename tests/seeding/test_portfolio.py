@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from stplan.errors import SeedingError
+from stplan.scene import parse_scene
 from stplan.scene.model import Scene
 from stplan.seeding.polish import kinetic_cost, polish
 from stplan.seeding.portfolio import Seed, find_seed
@@ -116,3 +117,17 @@ def test_what_a_check_raises_ends_the_work() -> None:
 
     with pytest.raises(SeedingError, match="enough"):
         smooth_curves(problem, curves, margin=1.05, rng_seed=0, check=check)
+
+
+def test_a_map_far_wider_than_the_ways_is_seeded_like_its_middle() -> None:
+    wall = {"rectangle": [4, -1, 5, 8]}
+    agents = (
+        "agents:\n  - {id: a, start: [0, 0], goal: [9, 0], radius: 0.4}\n"
+        "  - {id: b, start: [9, 3], goal: [0, 3], radius: 0.4}\n"
+    )
+    text = "stplan: 1\nhorizon: 20\nmap: {{rectangle: [{0}, {0}, {1}, {1}], obstacles: [{2}]}}\n"
+    found = [
+        seed(parse_scene(text.format(-size, size, wall) + agents)).world_lines.knots
+        for size in (5e2, 5e8)
+    ]
+    assert np.array_equal(*found)
