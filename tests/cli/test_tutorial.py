@@ -1,0 +1,40 @@
+"""The tutorial, followed to the letter."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+
+PAGE = Path(__file__).parents[2] / "docs" / "tutorial.md"
+
+
+def test_every_step_does_what_the_page_says(run, monkeypatch, tmp_path):
+    text = PAGE.read_text(encoding="utf-8")
+    (scene,) = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    Path("door.yaml").write_text(scene, encoding="utf-8")
+    said = {}
+    for block in re.findall(r"```bash\n(.*?)```", text, re.DOTALL):
+        for command in block.splitlines():
+            words = shlex.split(command)[1:]
+            result = run(*words)
+            assert result.status == (1 if words[0] == "diff" else 0), (command, result.err)
+            said[command] = result.out
+    assert "hold" in said["stplan explain outputs/door"]
+    assert "ann holds back for cart" in said["stplan explain outputs/door"]
+
+    def arrival(folder: str) -> float:
+        with np.load(Path(folder) / "trajectories.npz") as plan:
+            bob = list(plan["agent_ids"]).index("bob")
+            return float(plan["knots"][plan["offsets"][bob + 1] - 1, 2])
+
+    assert arrival("outputs/door") > 19
+    assert arrival("hurry/door") < 9
+    assert len(list(Path("sweep").glob("door*/trajectories.csv"))) == 3
+    # Through the door of a metre nobody gets who is wider than that.
+    too_wide = run("solve", "door.yaml", "--set", "agents.bob.radius=0.6")
+    assert too_wide.status == 3
+    assert "the widest lets a radius of 0.50" in too_wide.err
