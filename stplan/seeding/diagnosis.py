@@ -101,6 +101,8 @@ def _touching_ends(problem: RodProblem) -> list[Reason]:
         gap = _beginning_gap(problem, starts, pair, limit)
         if gap <= limit:
             sentence = f"{names} start {gap:.4g} m apart in space-time, not over {limit:.4g} m"
+            if problem.start_times[a] != problem.start_times[b]:
+                sentence += ", at this time_scale; a larger one keeps their times further apart"
             place = (float(starts[a, 0]), float(starts[a, 1]))
             reasons.append(Reason("start", pair, True, sentence, place))
         if near_goals[pair]:
