@@ -140,7 +140,7 @@ class SolverSettings:
     mu: float | None = None
     mu_decay: float = 0.5
     outer_iterations: int = 5
-    max_iterations: int = 100
+    max_iterations: int = 200
     step_tolerance: float = 1.0e-2
     optimality_tolerance: float = 1.0e-2
     alpha: float = 50.0

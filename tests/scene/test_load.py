@@ -75,7 +75,7 @@ def test_defaults():
         # Tuned by measurement.
         "mu_decay": scene.solver.mu_decay,
         "outer_iterations": 5,
-        "max_iterations": 100,
+        "max_iterations": 200,
         "step_tolerance": 0.01,
         "optimality_tolerance": 0.01,
         "alpha": 50,
