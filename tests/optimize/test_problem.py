@@ -219,3 +219,27 @@ def test_bounds_fix_what_the_scene_gives() -> None:
     assert (limits.least_duration > 0).all()
     twice = replace(middle, waypoints=(tuple(knots[1, :2]), tuple(knots[4, :2])))
     assert visit_knots(twice, knots[:6]) == [(1, 1), (4, 4)]
+
+
+def test_steps_that_contacts_cut_short_are_damped_and_long_ones_less_and_less() -> None:
+    problem = sample_problem()
+    x = sample_knots().ravel()
+    problem.accept(x, 0.01)
+    assert problem.damping == 0.0, "nothing has touched anything yet"
+    plain = problem.hessian(x)
+    # All agents in one place: the collision cost is undefined there.
+    crowded = x.reshape(-1, 3).copy()
+    crowded[:, :2] = crowded[0, :2]
+    assert problem.value(crowded.ravel()) == np.inf
+    problem.accept(x, 0.01)
+    assert problem.damping > 0.0
+    diagonal = problem.hessian_rows == problem.hessian_columns
+    added = problem.hessian(x) - plain
+    assert (added[diagonal] > 0).all()
+    assert not added[~diagonal].any()
+    before = problem.damping
+    problem.accept(x, 1.0)
+    assert problem.damping < before
+    for _ in range(9):
+        problem.accept(x, 1.0)
+    assert problem.damping == 0.0
