@@ -58,7 +58,6 @@ class Stopwatch:
     hessian: float = 0.0
     evaluations: int = 0
     refused: int = 0
-    hessians: int = 0
 
 
 @dataclass
@@ -200,7 +199,6 @@ class Problem:
             variables = self.hessian_rows[self._diagonal]
             summed[self._diagonal] += self.damping * self.stiffness[variables]
         self.watch.hessian += time.perf_counter() - started
-        self.watch.hessians += 1
         return summed
 
     def constraints(self, x: FloatArray) -> FloatArray:
