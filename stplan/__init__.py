@@ -14,7 +14,7 @@ from importlib import import_module, metadata
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from stplan.pipeline import Plan, plan
+    from stplan.planner import Plan, plan
     from stplan.scene import load_scene
     from stplan.scene.model import Scene
 
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 __all__ = ["Plan", "Scene", "__version__", "load_scene", "plan"]
 
 _HOMES = {
-    "Plan": "stplan.pipeline",
+    "Plan": "stplan.planner",
     "Scene": "stplan.scene.model",
     "load_scene": "stplan.scene",
-    "plan": "stplan.pipeline",
+    "plan": "stplan.planner",
 }
 
 

@@ -1,6 +1,6 @@
 """``python -m stplan``."""
 
-from stplan.cli import main
+from stplan.cli.app import main
 
 if __name__ == "__main__":
     main()

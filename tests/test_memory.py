@@ -10,9 +10,9 @@ import pytest
 
 from stplan import memory
 from stplan.bench.families_open import circle
-from stplan.cli import main
+from stplan.cli.app import main
 from stplan.errors import SceneError
-from stplan.pipeline import plan
+from stplan.planner import plan
 
 SCENE = """
 stplan: 1
@@ -49,7 +49,7 @@ def test_a_scene_that_cannot_fit_is_refused_before_it_starts(
     command, scene_file, tmp_path, monkeypatch, capsys
 ):
     monkeypatch.setattr(memory, "available", lambda: 100.0 * memory.MIB)
-    monkeypatch.setattr("stplan.pipeline.best_seed", None)
+    monkeypatch.setattr("stplan.planner.best_seed", None)
     with pytest.raises(SystemExit) as left:
         main([command, str(scene_file), "-o", str(tmp_path / "out"), "--json"])
     assert left.value.code == 2

@@ -20,8 +20,8 @@ from stplan.batch.runs import Run
 from stplan.batch.summary import SUMMARIES, write_summary
 from stplan.errors import UsageError
 from stplan.files.atomic import remove_unfinished, write_atomically, write_set
+from stplan.files.manifest import RUN_RECORD
 from stplan.files.run_folder import REPORT
-from stplan.files.seal import RUN_RECORD
 
 TRACEBACK = "traceback.txt"
 

@@ -13,8 +13,8 @@ from filelock import FileLock, Timeout
 from stplan.batch.runs import Run
 from stplan.errors import UsageError
 from stplan.files.json_file import read_json
+from stplan.files.manifest import RUN_RECORD, broken_seal
 from stplan.files.run_folder import REPORT
-from stplan.files.seal import RUN_RECORD, broken_seal
 
 LOCK = ".stplan-batch.lock"
 
@@ -54,7 +54,7 @@ def found(run: Run, folder: Path) -> Found:
     if not isinstance(scene, dict) or scene.get("hash") != run.content_hash:
         return Found("the scene, its mesh or its settings have changed")
     # Loaded late: where nothing is done yet, the workers alone need what plans.
-    from stplan.pipeline import EXIT_STATUS, versions
+    from stplan.planner import EXIT_STATUS, versions
 
     if report.get("versions") != versions():
         return Found("planned by other versions")

@@ -44,7 +44,7 @@ def execute(run: Run, timeout: float | None, say: Callable[[str], None]) -> Outc
 def _plan(
     run: Run, timeout: float | None, say: Callable[[str], None], elapsed: Callable[[], float]
 ) -> Outcome:
-    from stplan.pipeline import plan, plan_files
+    from stplan.planner import plan, plan_files
     from stplan.scene import parse_scene
 
     scene = parse_scene(

@@ -21,13 +21,13 @@ from stplan.bench.rivals.motion import Motion, Task
 from stplan.certify.pair_clearance import nearest_moments
 from stplan.certify.wall_clearance import wall_distance
 from stplan.errors import UsageError
-from stplan.pipeline import seed
+from stplan.planner import seed
+from stplan.problem.world_lines import WorldLines
 from stplan.scene import load_scene
 from stplan.scene.model import Scene
-from stplan.seeding.geodesic import geodesic_curves
-from stplan.seeding.rods import RodProblem
+from stplan.seeding.elastic_bands.geodesics import geodesic_curves
+from stplan.seeding.rod_problem import RodProblem
 from stplan.world import FreeSpace, build_free_space
-from stplan.world_lines import WorldLines
 
 NAMES = ("three-symmetric", "three-offset", "circle", "gap", "lane")
 OURS = "stplan"

@@ -22,11 +22,11 @@ from stplan.certify.certificate import certify
 from stplan.costs.term import Term
 from stplan.errors import SeedingError, UsageError
 from stplan.optimize.continuation import optimise
-from stplan.pipeline import seed as seeded
+from stplan.planner import seed as seeded
+from stplan.problem.world_lines import WorldLines
 from stplan.scene import load_scene
 from stplan.scene.model import Scene
 from stplan.world import FreeSpace, build_free_space
-from stplan.world_lines import WorldLines
 
 Progress = Callable[[str], None]
 

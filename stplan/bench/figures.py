@@ -18,12 +18,12 @@ from stplan.bench import families_open as wide
 from stplan.bench import families_tight as tight
 from stplan.bench.runs import Run, in_own_process, run, warm_up, with_solver
 from stplan.errors import UsageError
+from stplan.multistart import straight_conflicts
 from stplan.optimize.continuation import optimise
-from stplan.pipeline import Plan
+from stplan.planner import Plan
+from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
-from stplan.starts import straight_conflicts
 from stplan.world import build_free_space
-from stplan.world_lines import WorldLines
 
 Quantity = Literal[
     "total seconds",

@@ -7,7 +7,7 @@ import platform
 from datetime import date
 from pathlib import Path
 
-from stplan.pipeline import versions
+from stplan.planner import versions
 
 
 def description() -> str:

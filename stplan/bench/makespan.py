@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from stplan.errors import SeedingError
-from stplan.pipeline import Plan, plan
+from stplan.planner import Plan, plan
 from stplan.scene.model import Agent, Scene
 
 # Shares of the time between the least that the limits of motion leave and the scene's own horizon.

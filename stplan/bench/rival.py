@@ -14,15 +14,15 @@ from typing import Any
 
 import numpy as np
 
+from stplan.analysis.metrics import metrics
 from stplan.arrays import FloatArray
 from stplan.bench import families_open as wide
 from stplan.bench.runs import run, warm_up
 from stplan.certify.certificate import Certificate, certify
-from stplan.certify.metrics import metrics
 from stplan.errors import UsageError
+from stplan.problem.world_lines import WorldLines
 from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Scene
-from stplan.world_lines import WorldLines
 
 Progress = Callable[[str], None]
 

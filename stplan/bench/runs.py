@@ -16,7 +16,7 @@ import numpy as np
 from stplan.bench import families_open as wide
 from stplan.bench import families_tight as tight
 from stplan.errors import SeedingError
-from stplan.pipeline import Plan, plan, write_plan
+from stplan.planner import Plan, plan, write_plan
 from stplan.scene.model import Scene
 
 Result = TypeVar("Result")

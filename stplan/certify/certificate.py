@@ -17,10 +17,10 @@ from stplan.certify.meetings import MeetingSpot, meeting_spots
 from stplan.certify.motion import PLACE_TOLERANCE, Peak, missed_visit, motion_peaks
 from stplan.certify.pair_clearance import nearest_moments
 from stplan.certify.wall_clearance import time_at, wall_distance
+from stplan.problem.world_lines import WorldLines
 from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Agent, Scene
 from stplan.world import FreeSpace
-from stplan.world_lines import WorldLines
 
 # Columns of a row in the report.
 _COLUMNS = ("a", "b", "clearance", "time", "x", "y")

@@ -13,7 +13,7 @@ import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.compiled import kernel
-from stplan.world_lines import WorldLines
+from stplan.problem.world_lines import WorldLines
 
 
 @dataclass(frozen=True)

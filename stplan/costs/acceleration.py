@@ -18,7 +18,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.costs.term import Term, block_structure, pack_blocks
-from stplan.world_lines import KnotLayout
+from stplan.problem.layout import KnotLayout
 
 # Below this angle (rad) the series of k and k' are exact to rounding.
 _SERIES_ANGLE = 1e-3

@@ -13,7 +13,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray
 from stplan.costs.limit import Limit, Profile, Vectors, by_knots, power_vectors
-from stplan.world_lines import KnotLayout
+from stplan.problem.layout import KnotLayout
 
 
 class AccelerationLimit(Limit):

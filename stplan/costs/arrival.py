@@ -6,7 +6,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.costs.term import Term
-from stplan.world_lines import KnotLayout
+from stplan.problem.layout import KnotLayout
 
 
 class Arrival(Term):

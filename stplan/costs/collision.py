@@ -10,16 +10,16 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
-from stplan.costs.contact_term import ContactList, ContactTerm, sharpened
-from stplan.costs.rods import Rods
-from stplan.scene.interactions import Interactions
-from stplan.smooth_distance.clearance_barriers import (
+from stplan.costs.contacts.clearance_barriers import (
     Coefficients,
     contact_barriers,
     smooth_minimum_barriers,
 )
-from stplan.smooth_distance.contacts import measure
-from stplan.smooth_distance.rod_neighbours import near_segments
+from stplan.costs.contacts.contact_term import ContactList, ContactTerm, sharpened
+from stplan.geometry.contacts import measure
+from stplan.geometry.rod_neighbours import near_segments
+from stplan.problem.rods import Rods
+from stplan.scene.interactions import Interactions
 
 # Lists reach this much further than the structure: they cost less than what renewing them saves.
 LIST_SKIN = 1.5

@@ -11,11 +11,11 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.costs.contact_term import NEGLIGIBLE, ContactList, ContactTerm
-from stplan.costs.rods import Rods
+from stplan.costs.contacts.clearance_barriers import Coefficients
+from stplan.costs.contacts.contact_term import NEGLIGIBLE, ContactList, ContactTerm
+from stplan.geometry.nearest_segments import near_minimum
+from stplan.problem.rods import Rods
 from stplan.scene.interactions import Interactions
-from stplan.smooth_distance.clearance_barriers import Coefficients
-from stplan.smooth_distance.nearest_segments import near_minimum
 
 
 class Grouping(ContactTerm):

@@ -10,7 +10,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.costs.term import Term, block_structure, pack_blocks
-from stplan.world_lines import KnotLayout
+from stplan.problem.layout import KnotLayout
 
 
 class Kinetic(Term):

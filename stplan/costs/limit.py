@@ -21,8 +21,8 @@ import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import kernel
+from stplan.costs.contacts.barrier import barrier
 from stplan.costs.term import Term, block_structure, pack_blocks
-from stplan.smooth_distance.barrier import barrier
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray
 from stplan.costs.limit import Limit, Profile, Vectors, power_vectors
-from stplan.world_lines import KnotLayout
+from stplan.problem.layout import KnotLayout
 
 
 class SpeedLimit(Limit):

@@ -10,15 +10,15 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.costs.contact_term import ContactList, ContactTerm, sharpened
-from stplan.smooth_distance.boundary_grid import BoundaryGrid, crossings
-from stplan.smooth_distance.clearance_barriers import (
+from stplan.costs.contacts.clearance_barriers import (
     Coefficients,
     contact_barriers,
     smooth_minimum_barriers,
 )
-from stplan.smooth_distance.contacts import measure
-from stplan.world_lines import KnotLayout
+from stplan.costs.contacts.contact_term import ContactList, ContactTerm, sharpened
+from stplan.geometry.boundary_grid import BoundaryGrid, crossings
+from stplan.geometry.contacts import measure
+from stplan.problem.layout import KnotLayout
 
 
 class Wall(ContactTerm):

@@ -10,11 +10,11 @@ import numpy as np
 
 from stplan.arrays import FloatArray
 from stplan.explain.explanation import Section
+from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
-from stplan.seeding.geodesic import geodesic_curves
-from stplan.seeding.rods import RodProblem
+from stplan.seeding.elastic_bands.geodesics import geodesic_curves
+from stplan.seeding.rod_problem import RodProblem
 from stplan.world import FreeSpace
-from stplan.world_lines import WorldLines
 
 # Longer than alone by more than this share counts.
 LONGER = 0.01

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from stplan.explain.explanation import Section
 from stplan.explain.waiting import Wait
+from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
-from stplan.world_lines import WorldLines
 
 # Late means by more than this share of the time the agent wanted to take.
 LATE = 0.01

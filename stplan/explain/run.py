@@ -11,9 +11,9 @@ from stplan.explain.explanation import Explanation, Remark, Section, count
 from stplan.explain.lateness import lateness
 from stplan.explain.tightness import limits_and_meetings, tight_pairs, tight_walls
 from stplan.explain.waiting import waiting, waits
+from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
 from stplan.world import FreeSpace
-from stplan.world_lines import WorldLines
 
 
 def explain_run(

@@ -15,11 +15,11 @@ from stplan.explain.detours import ways_alone
 from stplan.explain.explanation import Explanation, Fact, Remark, Section, at, count, metres
 from stplan.explain.passages import passages
 from stplan.explain.run import motion
+from stplan.problem.world_lines import WorldLines
 from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import find_seed
 from stplan.world import FreeSpace
-from stplan.world_lines import WorldLines
 
 
 @dataclass(frozen=True)

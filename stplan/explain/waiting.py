@@ -15,9 +15,9 @@ import numpy as np
 from stplan.arrays import FloatArray
 from stplan.certify.pair_clearance import nearest_moments
 from stplan.explain.explanation import Section, at, count, metres
+from stplan.problem.world_lines import WorldLines
 from stplan.scene.interactions import Interactions, scene_interactions
 from stplan.scene.model import Scene
-from stplan.world_lines import WorldLines
 
 # Slower than this share of its mean pace an agent holds back, where somebody is in its way.
 SLOW = 0.8

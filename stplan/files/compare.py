@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.world_lines import WorldLines
+from stplan.problem.world_lines import WorldLines
 
 
 @dataclass(frozen=True)

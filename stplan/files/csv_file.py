@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from stplan.errors import UsageError
-from stplan.world_lines import WorldLines
+from stplan.problem.world_lines import WorldLines
 
 COLUMNS = ("agent", "knot", "x", "y", "t")
 

@@ -15,8 +15,8 @@ from numpy.lib import format as npy_format
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.errors import UsageError
+from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
-from stplan.world_lines import WorldLines
 
 FORMAT = 1
 _REQUIRED = ("agent_ids", "offsets", "knots")

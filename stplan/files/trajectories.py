@@ -9,8 +9,8 @@ from stplan.errors import UsageError
 from stplan.files.atomic import write_set
 from stplan.files.csv_file import csv_bytes, read_csv
 from stplan.files.npz_file import npz_bytes, read_npz
+from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
-from stplan.world_lines import WorldLines
 
 # Those of a run's folder, in the order in which they are looked for.
 TRAJECTORIES = ("trajectories.npz", "trajectories.csv")

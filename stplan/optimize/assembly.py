@@ -16,17 +16,17 @@ from stplan.costs.kinetic import Kinetic
 from stplan.costs.limit import Barrier, Limit, Profile
 from stplan.costs.meeting import MeetingLimit
 from stplan.costs.regularity import Regularity
-from stplan.costs.rods import Rods
 from stplan.costs.speed_limit import SpeedLimit
 from stplan.costs.term import Term
 from stplan.costs.wall import Wall
-from stplan.optimize.appointments import Appointments
-from stplan.optimize.problem import Limits, Problem, Stopwatch
+from stplan.nlp.problem import Limits, Problem, Stopwatch
 from stplan.optimize.scales import Scales
+from stplan.optimize.timed_constraints import Appointments
+from stplan.problem.layout import KnotLayout
+from stplan.problem.rods import Rods
 from stplan.scene.interactions import Interactions
 from stplan.scene.model import Scene
 from stplan.world import FreeSpace
-from stplan.world_lines import KnotLayout
 
 # Smallest duration of a segment over the mean one; and over the seed's own, where that is shorter.
 LEAST_DURATION_SHARE = 1e-3

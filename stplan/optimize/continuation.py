@@ -11,19 +11,20 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from stplan.arrays import FloatArray
-from stplan.costs.contact_term import ContactTerm
+from stplan.costs.contacts.contact_term import ContactTerm
 from stplan.costs.term import Term
-from stplan.optimize.appointments import find_appointments
+from stplan.nlp.ipopt.adapter import FAILURES, IpoptResult, Iteration, Multipliers, solve
+from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
+from stplan.nlp.problem import Problem, Stopwatch
 from stplan.optimize.assembly import Assembly, Setting, build_limits
-from stplan.optimize.ipopt import FAILURES, IpoptResult, Iteration, Multipliers, solve
-from stplan.optimize.linear_solvers import chosen_linear_solver
-from stplan.optimize.problem import Problem, Stopwatch
 from stplan.optimize.scales import derive_scales
+from stplan.optimize.timed_constraints import find_appointments
+from stplan.problem.layout import KnotLayout
+from stplan.problem.world_lines import WorldLines
 from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Scene
-from stplan.seeding.meeting_places import MeetingPlace
+from stplan.seeding.rendezvous import MeetingPlace
 from stplan.world import FreeSpace
-from stplan.world_lines import KnotLayout, WorldLines
 
 LiveLine = Callable[[Callable[[], str]], None]
 

@@ -13,9 +13,9 @@ import numpy as np
 
 from stplan.arrays import FloatArray
 from stplan.costs.kinetic import Kinetic
+from stplan.problem.layout import KnotLayout
 from stplan.scene.interactions import Interactions
 from stplan.scene.model import Scene
-from stplan.world_lines import KnotLayout
 
 # mu of the first outer iteration over E.
 MU_SHARE = 1e-3

@@ -1,6 +1,6 @@
 """The scene as the rest of the package sees it: immutable, complete, every default filled in.
 
-The file format itself (keys, validation, JSON Schema) is `stplan.scene.format`.
+The file format itself (keys, validation, JSON Schema) is `stplan.scene.format.file`.
 """
 
 from __future__ import annotations

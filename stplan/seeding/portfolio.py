@@ -22,26 +22,26 @@ import shapely
 from stplan.arrays import FloatArray
 from stplan.compiled import working_time
 from stplan.errors import SeedingError
+from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene, SeedingSettings
-from stplan.seeding.diagnosis import hopeless, not_connected
-from stplan.seeding.dijkstra import dijkstra_curves
-from stplan.seeding.geodesic import geodesic_curves
-from stplan.seeding.layered import exact_points
-from stplan.seeding.meeting_places import MeetingPlace, with_meeting_places
-from stplan.seeding.polish import prepare_seed
-from stplan.seeding.relaxation import RelaxationResult, relax
-from stplan.seeding.rods import RodProblem, verify, wall_clearance
-from stplan.seeding.search import (
+from stplan.seeding.elastic_bands.geodesics import geodesic_curves
+from stplan.seeding.elastic_bands.relaxation import RelaxationResult, relax
+from stplan.seeding.elastic_bands.tightening import smooth_curves
+from stplan.seeding.infeasibility import hopeless, not_connected
+from stplan.seeding.rendezvous import MeetingPlace, with_meeting_places
+from stplan.seeding.rod_problem import RodProblem, verify, wall_clearance
+from stplan.seeding.search.planner import exact_points
+from stplan.seeding.search.schedule import (
     MOST_EFFORT,
     SOON_EFFORT,
     SearchResult,
     repair_curves,
     search_curves,
 )
-from stplan.seeding.smoothing import smooth_curves
+from stplan.seeding.search.sequential_dijkstra import dijkstra_curves
+from stplan.seeding.shortcutting.shortcuts import prepare_seed
 from stplan.seeding.time_bounds import out_of_time
 from stplan.world import FreeSpace, build_seeding_mesh
-from stplan.world_lines import WorldLines
 
 # A map this many times as large as what surrounds the agents is cut down to that for the search: their
 # bounding box and as much on every side, or so many radii where they hardly move.

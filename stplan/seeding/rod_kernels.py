@@ -6,8 +6,8 @@ import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import kernel
-from stplan.smooth_distance.boundary_grid import BoundaryGrid
-from stplan.smooth_distance.segments import squared_distance
+from stplan.geometry.boundary_grid import BoundaryGrid
+from stplan.geometry.segments import squared_distance
 
 
 @kernel

@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, PathPatch
 from matplotlib.text import Annotation, Text
 
+from stplan.problem.world_lines import WorldLines
 from stplan.viewing.drawing import (
     FAINT,
     INK,
@@ -26,7 +27,6 @@ from stplan.viewing.drawing import (
 from stplan.viewing.motion import nice_step, positions
 from stplan.viewing.palette import hex_colours
 from stplan.viewing.run_view import RunView
-from stplan.world_lines import WorldLines
 
 # About so many discs a path; from so many agents on none, and no names.
 _MOMENTS = 9

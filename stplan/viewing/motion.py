@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.world_lines import WorldLines
+from stplan.problem.world_lines import WorldLines
 
 
 def positions(lines: WorldLines, leaves: FloatArray, times: FloatArray) -> FloatArray:

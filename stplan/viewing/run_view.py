@@ -16,11 +16,11 @@ from stplan.errors import SceneError, UsageError
 from stplan.files.npz_file import read_npz
 from stplan.files.run_folder import REPORT, recorded_scene
 from stplan.files.trajectories import read_trajectories
+from stplan.problem.world_lines import WorldLines
 from stplan.scene import load_scene
 from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Scene
 from stplan.world import FreeSpace, build_free_space
-from stplan.world_lines import WorldLines
 
 _CURVES = ("trajectories.npz", "trajectories.csv", "seed.npz", "seed.csv")
 

@@ -10,8 +10,8 @@ import shapely
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.errors import SceneError
+from stplan.maps.mesh.reader import mesh_polygon
 from stplan.scene.model import CircleObstacle, MeshBase, PolygonObstacle, Scene
-from stplan.world.mesh_file import mesh_polygon
 
 # Sides of the polygon that stands for a disc; it contains the disc, so nobody gets closer than told.
 CIRCLE_SIDES = 64

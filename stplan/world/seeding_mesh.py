@@ -10,10 +10,10 @@ import shapely
 from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from stplan.arrays import FloatArray, IntArray
+from stplan.maps.mesh.reader import read_flat_mesh
 from stplan.scene.model import Agent, MeshBase, Scene
 from stplan.world.erosion import eroded
 from stplan.world.free_space import FreeSpace
-from stplan.world.mesh_file import read_flat_mesh
 
 MOST_VERTICES = 20_000
 # Points follow the boundary this much further off than a radius, so that chords between them are free.

@@ -16,7 +16,7 @@ from typing import Any
 
 import pytest
 
-from stplan.files.seal import broken_seal
+from stplan.files.manifest import broken_seal
 from tests.cli.conftest import run
 
 __all__ = ["run"]

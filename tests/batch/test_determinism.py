@@ -16,7 +16,7 @@ def test_neither_jobs_nor_hash_seeds_nor_repetition_change_a_byte(golden, place)
 
 
 def test_planning_twice_in_one_process_changes_nothing(golden, place, monkeypatch):
-    from stplan.pipeline import plan, plan_files
+    from stplan.planner import plan, plan_files
     from stplan.scene import load_scene
 
     monkeypatch.chdir(place)

@@ -21,7 +21,7 @@ import pytest
 
 from stplan.files.atomic import write_set
 from stplan.files.json_file import json_bytes
-from stplan.files.seal import broken_seal, seal
+from stplan.files.manifest import broken_seal, seal
 from tests.batch.conftest import (
     COMMAND,
     ENDLESS,
@@ -155,9 +155,9 @@ def test_a_second_signal_ends_the_batch_at_once(place):
 )
 def test_interrupted_in_any_phase_solve_leaves_whole_files_or_none(place, run, monkeypatch, phase):
     """A real Ctrl-C, sent at the door of the phase."""
-    import stplan.pipeline
+    import stplan.planner
 
-    where = os if phase == "replace" else stplan.pipeline
+    where = os if phase == "replace" else stplan.planner
     real = getattr(where, phase)
 
     def entered(*arguments, **options):

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from stplan import bench_commands
-from stplan.cli import main
+from stplan.cli import bench_commands
+from stplan.cli.app import main
 
 
 def test_all_runs_each_of_them_and_describes_the_machine(tmp_path, monkeypatch, capsys):

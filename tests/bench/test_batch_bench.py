@@ -9,7 +9,7 @@ import pytest
 
 from stplan.bench import batches
 from stplan.bench.batches import Measured
-from stplan.cli import main
+from stplan.cli.app import main
 
 
 def test_both_batches_are_measured_in_one_run(tmp_path, capsys):

@@ -11,7 +11,7 @@ import pytest
 from stplan.bench import convergence
 from stplan.bench.convergence import Trace, outcomes
 from stplan.bench.convergence_table import csv_text, markdown_text
-from stplan.cli import main
+from stplan.cli.app import main
 from stplan.errors import UsageError
 
 SCENE = Path(__file__).parents[2] / "scenes" / "three-agents" / "symmetric.yaml"

@@ -11,7 +11,7 @@ import pytest
 from stplan.bench import figures
 from stplan.bench.figures_table import asked_table, csv_text, markdown_text
 from stplan.bench.runs import Run
-from stplan.cli import main
+from stplan.cli.app import main
 from stplan.errors import UsageError
 from stplan.world import build_free_space, check_scene_in_world
 

@@ -12,7 +12,7 @@ import pytest
 from stplan.bench import rival
 from stplan.bench.rival_table import csv_text, markdown_text
 from stplan.certify.certificate import certify
-from stplan.cli import main
+from stplan.cli.app import main
 
 CLEAR = rival.Attempt(0.1, 6.0, 40, "Solve_Succeeded", 1.05, 0.02, True)
 CLOSE = replace(CLEAR, padding=0.0, seconds=5.0, clearance=-0.03, certified=False)

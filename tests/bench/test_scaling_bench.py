@@ -13,7 +13,7 @@ from stplan.bench import plots, scaling
 from stplan.bench.families_maze import maze, maze_floor
 from stplan.bench.runs import Run
 from stplan.bench.scaling_table import csv_text, markdown_text, picture
-from stplan.cli import main
+from stplan.cli.app import main
 from stplan.errors import UsageError
 from stplan.world import build_free_space, check_scene_in_world
 

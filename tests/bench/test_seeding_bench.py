@@ -10,7 +10,7 @@ import pytest
 
 from stplan.bench import seeding
 from stplan.bench.seeding_table import csv_text, markdown_text
-from stplan.cli import main
+from stplan.cli.app import main
 from stplan.errors import SeedingError, UsageError
 from stplan.world import build_free_space, check_scene_in_world
 

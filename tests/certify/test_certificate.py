@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from stplan.certify.certificate import Certificate, certify
-from stplan.scene.load import parse_scene
+from stplan.problem.world_lines import WorldLines
+from stplan.scene.reading.load import parse_scene
 from stplan.world import build_free_space
-from stplan.world_lines import WorldLines
 
 ROOM = "{rectangle: [0, 0, 10, 4]}"
 ONE = "  - {id: a, start: [1, 1], goal: [9, 1], radius: 0.5}"

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from stplan.certify.certificate import Certificate, certify
+from stplan.problem.world_lines import WorldLines
 from stplan.scene import parse_scene
-from stplan.world_lines import WorldLines
 
 FAR = [[0, 9, 0], [8, 9, 10]]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stplan.certify.pair_clearance import nearest_moments
-from stplan.world_lines import WorldLines
+from stplan.problem.world_lines import WorldLines
 
 
 def least(curves, leaves=None) -> tuple[float, float]:

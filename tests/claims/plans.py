@@ -11,8 +11,8 @@ import numpy as np
 
 from stplan import load_scene
 from stplan.certify.pair_clearance import nearest_moments
-from stplan.pipeline import Plan, plan
-from stplan.world_lines import WorldLines
+from stplan.planner import Plan, plan
+from stplan.problem.world_lines import WorldLines
 
 SCENES = Path(__file__).parents[2] / "scenes"
 

@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from stplan.pipeline import plan
+from stplan.planner import plan
 from stplan.scene import parse_scene
 from tests.claims.plans import (
     close_calls,

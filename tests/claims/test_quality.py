@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import pytest
 
-from stplan.certify.metrics import turning
+from stplan.analysis.metrics import turning
 from tests.claims.plans import curves, path_length, planned
 
 QUICK = ("roomba/roomba", "subway/platform", "subway/platform-tight")

@@ -14,7 +14,7 @@ import pytest
 
 import stplan.scene
 import stplan.world
-from stplan.cli import main
+from stplan.cli.app import main
 from stplan.errors import SceneError
 from stplan.files.json_file import json_bytes
 from stplan.files.trajectories import write_files
@@ -113,11 +113,11 @@ class Stage:
 def stage(monkeypatch, tmp_path) -> Stage:
     """Replace reading and planning of scenes; the working directory is new."""
     acting = Stage()
-    pipeline: Any = ModuleType("stplan.pipeline")
+    pipeline: Any = ModuleType("stplan.planner")
     pipeline.plan = pipeline.seed = acting.plan
     pipeline.write_plan = acting.write_plan
     pipeline.check = lambda scene, lines: acting.certificate()
-    monkeypatch.setitem(sys.modules, "stplan.pipeline", pipeline)
+    monkeypatch.setitem(sys.modules, "stplan.planner", pipeline)
     monkeypatch.setattr(
         stplan.world, "fitted_free_space",
         lambda scene: acting.plan(scene, progress=lambda line: None), raising=False,

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from stplan.cli.console import worst
 from stplan.errors import SceneError, SeedingError
-from stplan.reporting import worst
 
 FILES = ["report.json", "run.json", "seed.csv", "seed.npz", "trajectories.csv", "trajectories.npz"]
 

@@ -11,7 +11,7 @@ import pytest
 import typer.main
 import yaml
 
-from stplan.cli import app
+from stplan.cli.app import app
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]

@@ -12,7 +12,7 @@ import click
 import pytest
 import typer.main
 
-from stplan.cli import app
+from stplan.cli.app import app
 
 GROUP = typer.main.get_command(app)
 

@@ -7,9 +7,9 @@ import sys
 
 import pytest
 
+from stplan.cli.console import Console
 from stplan.files.csv_file import csv_bytes
-from stplan.pipeline import plan
-from stplan.reporting import Console
+from stplan.planner import plan
 from stplan.scene import load_scene
 
 SCENE = """\

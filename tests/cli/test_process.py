@@ -30,10 +30,10 @@ def test_version():
 
 def test_help_and_import_load_nothing_heavy():
     program = """
-import sys, stplan, stplan.cli
+import sys, stplan, stplan.cli.app
 assert stplan.__version__ and "plan" in dir(stplan)
 try:
-    stplan.cli.main(["solve", "--help"])
+    stplan.cli.app.main(["solve", "--help"])
 except SystemExit:
     pass
 heavy = {"numpy", "scipy", "numba", "shapely", "trimesh", "yaml", "cyipopt"}
@@ -51,9 +51,9 @@ def test_validating_loads_no_kernels_and_no_solver(tmp_path):
         "agents: [{id: a, start: [0, 0], goal: [5, 5]}]\n"
     )
     program = """
-import sys, stplan.cli
+import sys, stplan.cli.app
 try:
-    stplan.cli.main(["validate", "scene.yaml"])
+    stplan.cli.app.main(["validate", "scene.yaml"])
 except SystemExit as done:
     assert done.code == 0
 sys.exit(str({"numba", "cyipopt"} & set(sys.modules)) if {"numba", "cyipopt"} & set(sys.modules) else 0)
@@ -78,13 +78,13 @@ import sys, time, types
 import stplan.scene
 from tests.files.examples import scene_of
 stplan.scene.load_scene = lambda path, overrides=(): scene_of(["sam"])
-pipeline = types.ModuleType("stplan.pipeline")
+pipeline = types.ModuleType("stplan.planner")
 def plan(scene, *, progress, live=None):
     progress("planning")
     {action}
 pipeline.plan = pipeline.seed = plan
-sys.modules["stplan.pipeline"] = pipeline
-from stplan.cli import main
+sys.modules["stplan.planner"] = pipeline
+from stplan.cli.app import main
 main(["solve", "scene.yaml", *sys.argv[1:]])
 """
 

@@ -114,7 +114,7 @@ def test_the_page_and_exports_need_no_extra_package(hall):
     code = (
         "import sys\n"
         "for name in ('matplotlib', 'PIL', 'imageio_ffmpeg'): sys.modules[name] = None\n"
-        "from stplan.cli import main\n"
+        "from stplan.cli.app import main\n"
         f"main([COMMAND, {str(hall)!r}, '--json'])\n"
     )
     for command in ("view", "export"):

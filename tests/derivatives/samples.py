@@ -14,13 +14,13 @@ from stplan.costs.kinetic import Kinetic
 from stplan.costs.limit import Barrier, Penalty
 from stplan.costs.meeting import MeetingLimit
 from stplan.costs.regularity import Regularity
-from stplan.costs.rods import Rods
 from stplan.costs.speed_limit import SpeedLimit
 from stplan.costs.term import Term
 from stplan.costs.timing import NONE, Timing
 from stplan.costs.wall import Wall
+from stplan.problem.layout import KnotLayout
+from stplan.problem.rods import Rods
 from stplan.scene.interactions import Interactions
-from stplan.world_lines import KnotLayout
 
 OFFSETS = np.array([0, 6, 12, 19])
 LAYOUT = KnotLayout.from_offsets(OFFSETS)

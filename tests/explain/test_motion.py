@@ -16,10 +16,10 @@ from stplan.explain.run import explain_run
 from stplan.explain.tightness import tight_pairs, tight_walls
 from stplan.explain.waiting import waiting, waits
 from stplan.files.json_file import json_bytes
-from stplan.scene.load import parse_scene
+from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import PairRule, Scene
+from stplan.scene.reading.load import parse_scene
 from stplan.world import build_free_space
-from stplan.world_lines import WorldLines
 
 
 def scene_of(*agents: str, top: str = "") -> Scene:

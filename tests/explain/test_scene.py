@@ -7,8 +7,8 @@ import pytest
 
 from stplan.explain.passages import passages
 from stplan.explain.scene import explain_scene
-from stplan.scene.load import parse_scene
 from stplan.scene.model import Scene
+from stplan.scene.reading.load import parse_scene
 from stplan.world import build_free_space
 
 # A wall at x = 5 with a gap of 0.6 m around y = 1.8.

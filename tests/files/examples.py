@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Agent, Scene, SeedingSettings, SolverSettings, Weights
-from stplan.world_lines import WorldLines
 
 
 def scene_of(

@@ -9,7 +9,7 @@ import pytest
 
 from stplan.files.compare import compare_trajectories
 from stplan.files.json_file import json_bytes
-from stplan.world_lines import WorldLines
+from stplan.problem.world_lines import WorldLines
 from tests.files.examples import random_lines, scene_of, straight_lines
 
 

@@ -15,7 +15,7 @@ from stplan.errors import UsageError
 from stplan.files.csv_file import csv_bytes, read_csv
 from stplan.files.npz_file import npz_bytes, read_npz
 from stplan.files.trajectories import read_trajectories, write_files
-from stplan.world_lines import WorldLines
+from stplan.problem.world_lines import WorldLines
 from tests.files.examples import random_lines, scene_of, straight_lines
 
 IDS = ["a", 'b,"é', "line\nfeed", " c ", "0"]

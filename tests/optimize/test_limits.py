@@ -8,8 +8,8 @@ import pytest
 import stplan
 from stplan.certify.certificate import certify
 from stplan.errors import SeedingError
-from stplan.optimize.settle import asks_for_more, settle
-from stplan.pipeline import Plan
+from stplan.optimize.restoration import asks_for_more, settle
+from stplan.planner import Plan
 from stplan.scene import parse_scene
 from stplan.seeding.portfolio import find_seed
 from stplan.world import build_free_space

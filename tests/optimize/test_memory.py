@@ -7,7 +7,7 @@ import gc
 import cyipopt
 
 from stplan.bench.families_open import circle
-from stplan.pipeline import plan
+from stplan.planner import plan
 
 
 def test_nothing_of_ipopt_is_left_once_a_scene_is_planned():

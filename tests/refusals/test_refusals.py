@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from stplan.cli import main
+from stplan.cli.app import main
 from tests.refusals import damages, hopeless, meshes, mutations
 from tests.refusals.case import BASES, Case, base, beside, dump
 from tests.refusals.meshes import content_of
@@ -99,8 +99,8 @@ def test_refused(case: Case, tmp_path, monkeypatch, capsys, bounded) -> None:
 
 PROGRAM = """
 import resource, sys
-import stplan.pipeline, trimesh, networkx
-from stplan.cli import main
+import stplan.planner, trimesh, networkx
+from stplan.cli.app import main
 in_use = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
 spent = int(resource.getrusage(resource.RUSAGE_SELF).ru_utime + 1)
 resource.setrlimit(resource.RLIMIT_AS, (in_use + {memory},) * 2)

@@ -10,11 +10,11 @@ import pytest
 from stplan.errors import SeedingError
 from stplan.scene import parse_scene
 from stplan.scene.model import Scene
-from stplan.seeding.polish import kinetic_cost, polish
+from stplan.seeding.elastic_bands.tightening import smooth_curves
 from stplan.seeding.portfolio import Seed, find_seed
-from stplan.seeding.rods import RodProblem, verify
-from stplan.seeding.search import search_curves
-from stplan.seeding.smoothing import smooth_curves
+from stplan.seeding.rod_problem import RodProblem, verify
+from stplan.seeding.search.schedule import search_curves
+from stplan.seeding.shortcutting.shortcuts import kinetic_cost, polish
 from stplan.world import build_free_space
 from tests.seeding.families import circle
 from tests.seeding.tight_families import door, make_scene, rectangle

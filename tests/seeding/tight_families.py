@@ -25,8 +25,8 @@ from stplan.bench.families_tight import (
     scattered,
     warehouse,
 )
-from stplan.seeding.rods import RodProblem, verify
-from stplan.seeding.search import search_curves
+from stplan.seeding.rod_problem import RodProblem, verify
+from stplan.seeding.search.schedule import search_curves
 from stplan.world import build_free_space
 
 __all__ = [

@@ -9,8 +9,8 @@ import numpy as np
 from stplan.arrays import FloatArray
 from stplan.files.json_file import json_bytes
 from stplan.files.trajectories import write_files
+from stplan.problem.world_lines import WorldLines
 from stplan.scene import load_scene
-from stplan.world_lines import WorldLines
 
 HALL = """\
 stplan: 1

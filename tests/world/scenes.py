@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from stplan.scene.load import parse_scene
 from stplan.scene.model import Scene
+from stplan.scene.reading.load import parse_scene
 
 ALONE = "  - {id: a, start: [1, 1], goal: [3, 1], radius: 0.3}"
 

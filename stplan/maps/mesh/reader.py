@@ -1,0 +1,144 @@
+"""Flat meshes from files: OBJ is read here, whose faces have any shape, the rest through trimesh."""
+
+from __future__ import annotations
+
+import io
+import logging
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from stplan.arrays import FloatArray, IntArray
+from stplan.errors import SceneError
+from stplan.maps.mesh.counts import announced_faces, check_counts
+from stplan.maps.mesh.cracks import joined
+from stplan.maps.mesh.obj import read_obj
+from stplan.scene.model import MeshBase, Scene
+
+# Triangles may cover the floor so often on average: storeys above one another, a closed surface.
+MOST_LAYERS = 64
+# Cosine between the normals of two pieces of one face that lie on top of each other.
+FOLDED = -0.99
+_KEPT_AXES = {"x": (1, 2), "y": (0, 2), "z": (0, 1)}
+
+
+def read_flat_mesh(path: Path, up: str) -> tuple[FloatArray, IntArray]:
+    """Vertices (V, 2) in m and triangles (F, 3) of a mesh file, the axis `up` dropped.
+
+    Equal vertices are merged, faces split, triangles without area after projection left out.
+
+    Raises:
+        SceneError: the file is no mesh, has no area, or has faces whose area is in doubt.
+    """
+    kind = path.suffix.lower().removeprefix(".")
+    try:
+        content = path.read_bytes()
+        announced = announced_faces(content, kind)
+        load = read_obj(content, _KEPT_AXES[up]) if kind == "obj" else _load(content, kind)
+        vertices, triangles = load
+        check_counts(len(vertices), len(triangles))
+        if len(triangles) < announced:
+            # Some readers take what they find, however much the head of the file announces.
+            raise ValueError("faces are missing")
+    except SceneError as error:
+        raise SceneError(f"{path.name} {error}") from error
+    except OSError as error:
+        raise SceneError(f"{path.name} cannot be read: {error.strerror or error}") from error
+    except MemoryError:
+        raise
+    except Exception as error:  # a hostile file may raise anything at all inside the reader
+        raise SceneError(
+            f"{path.name} cannot be read: it is damaged, cut short or no {path.suffix} mesh"
+        ) from error
+    if not len(triangles):
+        raise SceneError(f"{path.name} has no faces")
+    if triangles.min() < 0 or triangles.max() >= len(vertices):
+        raise SceneError(f"{path.name} has faces that refer to vertices it does not have")
+    flat = vertices[:, _KEPT_AXES[up]]
+    # Of the axis that is dropped too: normals are computed with it.
+    corners = vertices[triangles]
+    if not np.isfinite(corners).all() or np.abs(corners).max() > 1e9:
+        raise SceneError(f"{path.name} has vertices that are not finite or absurdly far away")
+    if kind in {"ply", "off"} and _has_folds(vertices, triangles, "xyz".index(up)):
+        raise SceneError(f"{path.name} has concave faces; triangles are expected, or an OBJ file")
+    flat, place = np.unique(flat, axis=0, return_inverse=True)
+    triangles = place.reshape(-1)[triangles]
+    a, b, c = (flat[triangles[:, k]] for k in range(3))
+    area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+    extent = np.ptp(flat[triangles.ravel()], axis=0).max()
+    keep = np.abs(area) > 1e-14 * extent**2
+    if not keep.any():
+        raise SceneError(f"{path.name} has no area seen along its {up} axis")
+    if np.abs(area).sum() / 2 > MOST_LAYERS * float(np.ptp(flat[triangles.ravel()], axis=0).prod()):
+        raise SceneError(
+            f"{path.name} has faces on top of one another, more than {MOST_LAYERS} layers "
+            "on average; a floor is expected"
+        )
+    return flat, triangles[keep]
+
+
+def _load(content: bytes, kind: str) -> tuple[FloatArray, IntArray]:
+    """Vertices (V, 3) and triangles (F, 3) as the file has them, no faces if it has only lines."""
+    import trimesh
+
+    if kind == "off":
+        # Comments may be in any encoding.
+        content = content.decode("utf-8", errors="replace").encode()
+    logger = logging.getLogger("trimesh")
+    level = logger.level
+    logger.setLevel(logging.CRITICAL + 1)
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            loaded = trimesh.load(
+                io.BytesIO(content), file_type=kind, process=False, skip_materials=True
+            )
+            mesh: Any = loaded.to_geometry() if isinstance(loaded, trimesh.Scene) else loaded
+    finally:
+        logger.setLevel(level)
+    triangles = np.asarray(getattr(mesh, "faces", ()), dtype=np.int64).reshape(-1, 3)
+    return np.asarray(mesh.vertices, dtype=np.float64).reshape(-1, 3), triangles
+
+
+def _has_folds(vertices: FloatArray, triangles: IntArray, up: int) -> bool:
+    """Whether triangles come from a concave face that the reader split as a fan.
+
+    Neighbours (a, b, c) and (a, c, d) or (c, d, a) of a fan then lie on top of each other: they
+    turn opposite ways in the same plane. Twins that cover the same triangle are no fan.
+    """
+    corners = vertices[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(normals, axis=1)
+    flat = np.abs(normals[:, up]) > 1e-6 * np.maximum(length, np.finfo(float).tiny)
+    triangles, normals, length = triangles[flat], normals[flat], length[flat]
+    a, b, c = triangles.T
+    keys = np.concatenate([a * len(vertices) + b, c * len(vertices) + a])
+    beyond = np.concatenate([c, b])
+    owner = np.tile(np.arange(len(triangles)), 2)
+    order = np.argsort(keys, kind="stable")
+    wanted = a * len(vertices) + c
+    first = np.searchsorted(keys[order], wanted, side="left")
+    last = np.searchsorted(keys[order], wanted, side="right")
+    # At a non-manifold side only the first neighbour is looked at.
+    here = np.flatnonzero(first < last)
+    there = order[first[here]]
+    cosine = (normals[here] * normals[owner[there]]).sum(axis=1)
+    cosine /= length[here] * length[owner[there]]
+    return bool(((cosine < FOLDED) & (beyond[there] != b[here])).any())
+
+
+def mesh_polygon(scene: Scene, base: MeshBase) -> shapely.Geometry:
+    """The union of a mesh's triangles in the plane; raises SceneError, located, where there is none."""
+    try:
+        vertices, triangles = read_flat_mesh(base.path, base.up)
+        try:
+            return joined(vertices, triangles)
+        except shapely.errors.GEOSException as error:
+            raise SceneError(f"{base.path.name} has faces too tangled to be joined") from error
+        except SceneError as error:
+            raise SceneError(f"{base.path.name} {error}") from error
+    except SceneError as error:
+        raise SceneError(scene.located("map.mesh", str(error))) from error

@@ -1,0 +1,165 @@
+"""Which knots of a seed keep its appointments: visits of waypoints, and meetings of pairs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stplan.arrays import FloatArray, IntArray
+from stplan.problem.layout import KnotLayout
+from stplan.scene.interactions import Meeting, scene_meetings
+from stplan.scene.model import Agent, Scene, Visit
+from stplan.seeding.rendezvous import MeetingPlace
+from stplan.world import FreeSpace
+
+# A waypoint is the knot of the seed nearest to it, which must lie this close (m).
+WAYPOINT_TOLERANCE = 1e-9
+# Knots of a meeting are at the same time up to this (s).
+SAME_TIME = 1e-9
+# More than any distance of a scene, m.
+FAR = 1e9
+
+
+@dataclass(frozen=True)
+class Appointments:
+    """Knots with a place or a time of their own.
+
+    Attributes:
+        places: (P,) knots on waypoints.
+        stays: (D, 2) knots between which an agent dwells, `dwell` (D,) for how long at least, s.
+        windowed: (W,) knots whose time lies in `window` (W, 2), s.
+        links: (L, 2) knots i < j at which a pair meets, `within` (L,) m of each other.
+    """
+
+    places: IntArray
+    stays: IntArray
+    dwell: FloatArray
+    windowed: IntArray
+    window: FloatArray
+    links: IntArray
+    within: FloatArray
+
+
+def find_appointments(
+    scene: Scene,
+    free_space: FreeSpace | None,
+    layout: KnotLayout,
+    knots: FloatArray,
+    planned: Sequence[MeetingPlace] = (),
+) -> Appointments:
+    """The appointments of `scene` among `knots` (M, 3), where the curves keep or nearly keep them.
+
+    Pairs with a `planned` place meet there, others at the knots nearest in place and time.
+    """
+    places: list[int] = []
+    stays: list[tuple[int, int]] = []
+    dwell: list[float] = []
+    windowed: list[tuple[int, tuple[float, float]]] = []
+    for a, agent in enumerate(scene.agents):
+        if agent.path is not None:
+            continue
+        first = int(layout.first[a])
+        visits = agent.visits or (Visit(),) * len(agent.waypoints)
+        found = visit_knots(agent, knots[first : layout.last[a] + 1])
+        for (arrive, leave), visit in zip(found, visits, strict=True):
+            own = [first + arrive] if leave == arrive else [first + arrive, first + leave]
+            places += own
+            if len(own) == 2:
+                stays.append((own[0], own[1]))
+                dwell.append(visit.dwell)
+            if visit.window is not None:
+                windowed += [(knot, visit.window) for knot in own]
+    links: list[tuple[int, int]] = []
+    within: list[float] = []
+    told = [agent.path is not None for agent in scene.agents]
+    places_of = {place.agents: place for place in planned}
+    for meeting in scene_meetings(scene):
+        if told[meeting.first] and told[meeting.second]:
+            continue
+        place = places_of.get((meeting.first, meeting.second))
+        link = (
+            _meeting_knots(free_space, layout, knots, meeting, scene.time_scale)
+            if place is None
+            else _planned_knots(layout, knots, told, place)
+        )
+        links.append(link)
+        within.append(meeting.meet.within)
+        if meeting.meet.window is not None:
+            free = [knot for knot in link if not told[layout.agent_of_knot[knot]]]
+            windowed += [(knot, meeting.meet.window) for knot in free]
+    return Appointments(
+        places=np.array(places, dtype=np.int64),
+        stays=np.array(stays, dtype=np.int64).reshape(-1, 2),
+        dwell=np.array(dwell, dtype=np.float64),
+        windowed=np.array([knot for knot, _ in windowed], dtype=np.int64),
+        window=np.array([window for _, window in windowed], dtype=np.float64).reshape(-1, 2),
+        links=np.array(links, dtype=np.int64).reshape(-1, 2),
+        within=np.array(within, dtype=np.float64),
+    )
+
+
+def visit_knots(agent: Agent, curve: FloatArray) -> list[tuple[int, int]]:
+    """Knots of `curve` (n + 1, 3) at which each waypoint is reached and left, in order.
+
+    They differ only where the agent dwells and has a knot for both.
+    """
+    found: list[tuple[int, int]] = []
+    at = 0
+    visits = agent.visits or (Visit(),) * len(agent.waypoints)
+    for point, visit in zip(agent.waypoints, visits, strict=True):
+        distance = np.hypot(*(curve[at:, :2] - point).T)
+        close = np.flatnonzero(distance <= WAYPOINT_TOLERANCE)
+        arrive = at + int(close[0] if len(close) else distance.argmin())
+        leave = arrive
+        if visit.dwell > 0 and len(close) > 1 and close[1] == close[0] + 1:
+            leave = arrive + 1
+        found.append((arrive, leave))
+        at = leave
+    return found
+
+
+def _meeting_knots(
+    free_space: FreeSpace | None,
+    layout: KnotLayout,
+    knots: FloatArray,
+    meeting: Meeting,
+    time_scale: float,
+) -> tuple[int, int]:
+    """The nearest knots of two agents at a common time, or else the two nearest in time and place."""
+    begins = layout.first[meeting.first], layout.first[meeting.second]
+    own = knots[begins[0] : layout.last[meeting.first] + 1]
+    other = knots[begins[1] : layout.last[meeting.second] + 1]
+    step = own[:, None] - other[None]
+    apart = np.hypot(step[:, :, 0], step[:, :, 1])
+    late = np.abs(step[:, :, 2])
+    if meeting.meet.window is not None:
+        low, high = meeting.meet.window
+        late = late + np.maximum(np.maximum(low - own[:, 2], own[:, 2] - high), 0.0)[:, None]
+    # Those who meet already come first; nobody moves from a start, and nobody is drawn through a wall.
+    order = np.hypot(apart, time_scale * late)
+    if free_space is not None:
+        heads, tails = (
+            x.reshape(-1, 2) for x in np.broadcast_arrays(own[:, None, :2], other[None, :, :2])
+        )
+        hidden = free_space.segment_clearance(heads, tails) <= 0
+        order[hidden.reshape(order.shape)] += FAR
+    order[0] += FAR
+    order[:, 0] += FAR
+    met = (late <= SAME_TIME) & (apart <= meeting.meet.within)
+    order[met] = apart[met] - FAR
+    i, j = np.unravel_index(int(order.argmin()), order.shape)
+    return int(begins[0] + i), int(begins[1] + j)
+
+
+def _planned_knots(
+    layout: KnotLayout, knots: FloatArray, told: Sequence[bool], place: MeetingPlace
+) -> tuple[int, int]:
+    """The knots at a planned place: in space, or in time for an agent that moves as told."""
+    found = []
+    for agent, point in zip(place.agents, place.places, strict=True):
+        own = knots[layout.first[agent] : layout.last[agent] + 1]
+        off = np.abs(own[:, 2] - place.time) if told[agent] else np.hypot(*(own[:, :2] - point).T)
+        found.append(int(layout.first[agent]) + int(off.argmin()))
+    return found[0], found[1]

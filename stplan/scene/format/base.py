@@ -1,0 +1,23 @@
+"""What every mapping of a scene file has in common: strict keys, and how one is left out."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from stplan.scene.format.quantities import NotNull
+
+GIVEN = NotNull()
+
+
+def key(description: str, default: float | str | None = None) -> Any:
+    """A key that may be left out; `default` is what a reader may take for granted then."""
+    extra: dict[str, Any] = {} if default is None else {"default": default}
+    return Field(None, description=description, json_schema_extra=extra)
+
+
+class FileModel(BaseModel):
+    """A mapping without unknown keys; values are not converted."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)

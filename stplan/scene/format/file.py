@@ -1,0 +1,226 @@
+"""The scene file's format, version 1: every key with type, bounds, unit and default.
+
+One model validates and prints the JSON Schema. Defaults of an agent are left out here (None), because
+the scene's `defaults` come between; `stplan.scene.reading.compile` fills them in.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from stplan.scene.format.agents import MOST_AGENTS, AgentEntry, CircleFile, SharedFields
+from stplan.scene.format.base import GIVEN as _GIVEN
+from stplan.scene.format.base import FileModel as _Model
+from stplan.scene.format.base import key as _key
+from stplan.scene.format.quantities import (
+    Factor,
+    Identifier,
+    Interval,
+    NotNegative,
+    Options,
+    Or,
+    Positive,
+    Rectangle,
+    Ring,
+    Side,
+    Version,
+)
+from stplan.scene.model import SeedingSettings, SolverSettings
+
+FORMAT = 1
+MOST_PAIRS = 100_000
+# Defaults have one home, the model.
+_SEEDING = SeedingSettings()
+_SOLVER = SolverSettings()
+_LAYERS = Annotated[int, Field(ge=2, le=100_000)]
+_KNOTS = Annotated[int, Field(ge=3, le=10_000)]
+_STARTS = Annotated[int, Field(ge=1, le=1000)]
+_Tolerance = Annotated[Factor, Field(le=1e6)]
+_RANGE = Annotated[float, Field(gt=0, allow_inf_nan=True)]
+
+
+class ObstacleFile(_Model):
+    """Exactly one shape, cut out of the map."""
+
+    rectangle: Annotated[Rectangle | None, _GIVEN] = _key("[xmin, ymin, xmax, ymax] in m")
+    polygon: Annotated[Ring | None, _GIVEN] = _key("[[x, y], ...] in m, a ring that is not closed")
+    circle: Annotated[CircleFile | None, _GIVEN] = _key("a disc")
+
+
+class MapFile(_Model):
+    """Where agents may be: exactly one base (mesh, polygon or rectangle), less the obstacles."""
+
+    mesh: Annotated[Annotated[str, Field(min_length=1, max_length=1000)] | None, _GIVEN] = _key(
+        "base: a flat mesh (OBJ, PLY, OFF, STL, GLB), in m, path relative to the scene file"
+    )
+    up: Annotated[Literal["x", "y", "z"] | None, _GIVEN] = _key(
+        "axis of the mesh that is dropped", "z"
+    )
+    polygon: Annotated[Ring | None, _GIVEN] = _key("base: an outer ring [[x, y], ...] in m")
+    holes: Annotated[list[Ring] | None, _GIVEN] = _key("rings in m, cut out of `polygon`")
+    rectangle: Annotated[Rectangle | None, _GIVEN] = _key("base: [xmin, ymin, xmax, ymax] in m")
+    obstacles: Annotated[
+        Annotated[list[ObstacleFile], Field(max_length=100_000)] | None, _GIVEN
+    ] = _key("shapes cut out of the base")
+    resolution: Annotated[Positive | None, _GIVEN] = _key(
+        "wanted edge length of the seeding mesh, m; default: from the smallest radius"
+    )
+
+
+class MeetFile(_Model):
+    """Two agents come near each other at some moment at which both are present."""
+
+    within: Positive = Field(description="how near their centres come at least once, m")
+    window: Annotated[Interval | None, _GIVEN] = _key("[from, to] in s: when; default: any time")
+
+
+class PairSettingsFile(_Model):
+    """What may differ for a pair."""
+
+    distance: Annotated[Positive | None, _GIVEN] = _key(
+        "comfort distance of the centres, m, instead of the sum of the radii"
+    )
+    grouping: Annotated[NotNegative | None, _GIVEN] = _key(
+        "K^G, above 0 it draws the pair together"
+    )
+    collide: Annotated[bool | None, _GIVEN] = _key("false lets the pair pass through each other")
+    meet: Annotated[MeetFile | None, _GIVEN] = _key("the two have to meet")
+
+
+class PairFile(PairSettingsFile):
+    """What differs for pairs of agents; of several entries about a pair the later wins."""
+
+    between: Annotated[list[Side], Field(min_length=2, max_length=2)] = Field(
+        description="both sides: an id, `all`, or a list of ids each"
+    )
+
+
+class GroupFile(PairSettingsFile):
+    """Agents whose pairs share settings; entries of `pairs` win over them."""
+
+    name: Annotated[Identifier | None, _GIVEN] = _key("in pairs it means all members")
+    members: Annotated[
+        list[Annotated[str, Field(min_length=1, max_length=100)]],
+        Field(min_length=1, max_length=MOST_AGENTS),
+    ] = Field(description="ids of agents, patterns and tables")
+
+
+class SeedingFile(_Model):
+    """How initial curves are found."""
+
+    method: Literal["auto", "dijkstra", "search", "relaxation"] = Field(
+        _SEEDING.method, description="way of finding initial curves; auto tries several"
+    )
+    layers: Annotated[int | Literal["auto"], Or(_LAYERS, "auto")] = Field(
+        "auto", description="number of layers in time of the space-time graph"
+    )
+    margin: Annotated[float, Field(ge=1, le=10, allow_inf_nan=False)] = Field(
+        _SEEDING.margin, description="factor on distances while seeding, where there is room"
+    )
+    time_limit: Positive = Field(
+        _SEEDING.time_limit, description="how long to look for initial curves, s of processor time"
+    )
+    rng_seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = Field(
+        _SEEDING.rng_seed, description="seed of the random generator"
+    )
+
+
+class SolverFile(_Model):
+    """How curves are optimised."""
+
+    knots: Annotated[int | Literal["auto"], Or(_KNOTS, "auto")] = Field(
+        "auto", description="knots per agent; auto follows the initial curves"
+    )
+    starts: Annotated[int | Literal["auto"], Or(_STARTS, "auto")] = Field(
+        "auto", description="initial curves to choose the cheapest from; auto: more for few agents"
+    )
+    mu: Annotated[float | Literal["auto"], Or(Factor, "auto")] = Field(
+        "auto", description="first weight of the barriers; auto scales with the costs"
+    )
+    mu_decay: Annotated[float, Field(gt=0, le=1, allow_inf_nan=False)] = Field(
+        _SOLVER.mu_decay,
+        description="factor on mu from one outer iteration to the next (the paper's c)",
+    )
+    outer_iterations: Annotated[int, Field(ge=1, le=1000)] = Field(
+        _SOLVER.outer_iterations, description="most values of mu"
+    )
+    max_iterations: Annotated[int, Field(ge=0, le=1_000_000)] = Field(
+        _SOLVER.max_iterations, description="most Ipopt iterations per outer iteration"
+    )
+    step_tolerance: _Tolerance = Field(
+        _SOLVER.step_tolerance,
+        description="step of an outer iteration, relative, that counts as converged",
+    )
+    optimality_tolerance: _Tolerance = Field(
+        _SOLVER.optimality_tolerance, description="scaled optimality error that counts as converged"
+    )
+    alpha: Positive = Field(
+        _SOLVER.alpha, description="alpha_0, sharpness of the smooth minimum distance, 1/m"
+    )
+    clearance_model: Literal["contacts", "smooth-minimum"] = Field(
+        _SOLVER.clearance_model, description="how clearances enter; smooth-minimum is the paper's"
+    )
+    barrier_range: Annotated[float | Literal["auto", "inf"], Or(_RANGE, "auto", "inf")] = Field(
+        "auto", description="clearance at which repulsion starts, m; inf: the paper's logarithm"
+    )
+    hessian: Literal["gauss-newton", "exact", "limited-memory"] = Field(
+        _SOLVER.hessian, description="second derivatives given to Ipopt"
+    )
+    linear_solver: Annotated[
+        str, Field(min_length=1, max_length=40, pattern=r"^[a-z][a-z0-9-]*$")
+    ] = Field("mumps", description="Ipopt's linear solver; auto: the best it has")
+    ipopt: Options = Field({}, description="further Ipopt options by name, passed on as they are")
+
+
+class SceneFile(_Model):
+    """A scene file of format 1. Lengths in m, times in s, masses in kg."""
+
+    stplan: Version = Field(description="version of this format")
+    name: Annotated[
+        Annotated[str, Field(max_length=100, pattern=r"^[a-z0-9][a-z0-9_-]*$")] | None, _GIVEN
+    ] = _key("name of the output folder; default: the file's stem")
+    description: Annotated[str, Field(max_length=10_000)] = Field(
+        "", description="one line that says what the scene shows"
+    )
+    map: Annotated[MapFile | None, _GIVEN] = _key("where agents may be; default: the open plane")
+    horizon: Annotated[Positive | None, _GIVEN] = _key(
+        "T^max of agents without max_time, and how long agents stay, s; "
+        "may be left out where every agent has a max_time or a path"
+    )
+    time_scale: Positive = Field(
+        1.0, description="c in m/s: the space-time metric is dx^2 + dy^2 + (c dt)^2"
+    )
+    defaults: SharedFields = Field(SharedFields(), description="values for agents that set none")
+    agents: Annotated[list[AgentEntry], Field(min_length=1, max_length=MOST_AGENTS)] = Field(
+        description="the moving things, in the order of the outputs"
+    )
+    groups: Annotated[list[GroupFile], Field(max_length=MOST_PAIRS)] = Field(
+        [], description="agents whose pairs share settings"
+    )
+    pairs: Annotated[list[PairFile], Field(max_length=MOST_PAIRS)] = Field(
+        [], description="what differs from: every pair collides at the sum of its radii"
+    )
+    seeding: SeedingFile = Field(SeedingFile(), description="how initial curves are found")
+    solver: SolverFile = Field(SolverFile(), description="how curves are optimised")
+
+
+def scene_schema() -> dict[str, Any]:
+    """The JSON Schema of scene files, for editors."""
+    schema = SceneFile.model_json_schema()
+    _drop_null_defaults(schema)
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
+    schema["title"] = "stplan scene, format 1"
+    return schema
+
+
+def _drop_null_defaults(part: Any) -> None:
+    """A key without a default is just optional; null is no value of the format."""
+    if isinstance(part, dict):
+        if "default" in part and part["default"] is None:
+            del part["default"]
+        part = list(part.values())
+    if isinstance(part, list):
+        for inner in part:
+            _drop_null_defaults(inner)

@@ -1,0 +1,242 @@
+"""A validated file -> an immutable `Scene`, with every fault that only keys together can have.
+
+Where a part of the file is not valid, the rest is still looked at, so that a user learns of all faults
+at once: `Parts` holds None for what could not be read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, TypeAdapter
+
+from stplan.scene.format.agents import (
+    MOST_AGENTS,
+    AgentEntry,
+    AgentFile,
+    AgentsCsvFile,
+    PatternFile,
+    SharedFields,
+)
+from stplan.scene.format.file import GroupFile, MapFile, PairFile, SceneFile
+from stplan.scene.format.quantities import REFUSED_OPTIONS
+from stplan.scene.model import Agent, Scene, SeedingSettings, SolverSettings
+from stplan.scene.reading.faults import Fault, Hints
+from stplan.scene.reading.maps import compile_map
+from stplan.scene.reading.merge import merged_agent
+from stplan.scene.reading.overlaps import overlap_faults
+from stplan.scene.reading.pair_rules import Placed, group_rules, meeting_faults, pair_rules
+from stplan.scene.reading.patterns import Listed, listed_agents, num_agents
+
+_Model = TypeVar("_Model", bound=BaseModel)
+
+
+@dataclass
+class Parts:
+    """What could be read of a file; None, or left out, where it could not."""
+
+    ids: list[str | None]
+    entries: list[AgentFile | PatternFile | AgentsCsvFile | None]
+    groups: list[GroupFile | None]
+    pairs: list[PairFile | None]
+    defaults: SharedFields | None
+    horizon: float | None
+    map: MapFile | None
+
+
+def parts_of(file: SceneFile) -> Parts:
+    """The parts of a file that is valid."""
+    return Parts(
+        [entry.id for entry in file.agents],
+        list(file.agents),
+        list(file.groups),
+        list(file.pairs),
+        file.defaults,
+        file.horizon,
+        file.map,
+    )
+
+
+def salvage(tree: Mapping[str, Any], broken: set[str]) -> Parts:
+    """The parts of a file that have no fault at or below them; `broken` are paths with faults."""
+    tops = {_top(path) for path in broken}
+
+    def read(model: type[_Model], path: str, value: Any) -> _Model | None:
+        return None if path in tops or value is None else model.model_validate(value)
+
+    def entries(key: str) -> list[Any]:
+        value = tree.get(key)
+        return value if isinstance(value, list) and key not in tops else []
+
+    defaults = read(SharedFields, "defaults", tree.get("defaults", {}))
+    agents_fit = defaults is not None and "horizon" not in tops
+    agents = TypeAdapter(AgentEntry)
+    return Parts(
+        [_id(entry) for entry in entries("agents")],
+        [
+            agents.validate_python(entry)
+            if agents_fit and f"agents[{k}]" not in tops and entry is not None
+            else None
+            for k, entry in enumerate(entries("agents"))
+        ],
+        [read(GroupFile, f"groups[{k}]", entry) for k, entry in enumerate(entries("groups"))],
+        [read(PairFile, f"pairs[{k}]", entry) for k, entry in enumerate(entries("pairs"))],
+        defaults,
+        None if "horizon" in tops else tree.get("horizon"),
+        read(MapFile, "map", tree.get("map")),
+    )
+
+
+def _top(path: str) -> str:
+    """``agents[2].weights.wall`` -> ``agents[2]``, ``map.mesh`` -> ``map``."""
+    return path.partition(".")[0]
+
+
+def _id(entry: Any) -> str | None:
+    """An agent's id; of patterns and tables nobody knows whom they stand for."""
+    single = isinstance(entry, dict) and not ("pattern" in entry or "file" in entry)
+    name = entry.get("id") if single else None
+    return name if isinstance(name, str) else None
+
+
+def check_parts(parts: Parts, directory: Path, hints: Hints) -> list[Fault]:
+    """Every fault of the parts that were read, except those that need the whole scene."""
+    faults: list[Fault] = []
+    listed = _listed(parts, directory, faults)
+    _agents(parts, listed, faults)
+    _rules(parts, listed, faults, hints)
+    if parts.map is not None:
+        compile_map(parts.map, directory, faults)
+    return faults
+
+
+def compile_scene(
+    file: SceneFile,
+    default_name: str,
+    source: Path | None,
+    directory: Path,
+    locations: Mapping[str, tuple[int, int]],
+    overridden: Mapping[str, str],
+    hints: Hints,
+) -> tuple[Scene, list[Fault]]:
+    """The scene, and (path, sentence) of every fault; with faults the scene must not be used."""
+    faults: list[Fault] = []
+    parts = parts_of(file)
+    listed = _listed(parts, directory, faults)
+    agents = _agents(parts, listed, faults)
+    rules = _rules(parts, listed, faults, hints)
+    map_spec = None if file.map is None else compile_map(file.map, directory, faults)
+    for name in file.solver.ipopt:
+        if name in REFUSED_OPTIONS:
+            faults.append((f"solver.ipopt.{name}", f"is refused: {REFUSED_OPTIONS[name]}"))
+    scene = Scene(
+        name=file.name or default_name,
+        description=file.description,
+        source=source,
+        content_hash="",
+        map=map_spec,
+        horizon=max((agent.max_time for agent in agents), default=1.0)
+        if file.horizon is None
+        else file.horizon,
+        time_scale=file.time_scale,
+        agents=tuple(agents),
+        pairs=tuple(placed.rule for placed in rules),
+        seeding=SeedingSettings(**_settings(file.seeding)),
+        solver=SolverSettings(**_settings(file.solver)),
+        locations=locations,
+        overridden=overridden,
+        agent_paths=tuple(one.path for one in listed),
+    )
+    # Places of agents that have faults themselves would only make followers of these.
+    if not any(path.startswith(("agents", "groups", "pairs", "defaults")) for path, _ in faults):
+        faults += overlap_faults(scene) + meeting_faults(scene, [rule.path for rule in rules])
+    return scene, faults
+
+
+def _settings(part: BaseModel) -> dict[str, Any]:
+    """Keys and values, words replaced by what they mean to the rest of the package."""
+    meaning = {"auto": None, "inf": float("inf")}
+    values = {key: getattr(part, key) for key in type(part).model_fields}
+    return {
+        key: meaning[value] if key != "method" and value in ("auto", "inf") else value
+        for key, value in values.items()
+    }
+
+
+def _listed(parts: Parts, directory: Path, faults: list[Fault]) -> list[Listed]:
+    """Every agent of the file, those of patterns and tables among them."""
+    found: list[Listed] = []
+    total = 0
+    for k, (name, entry) in enumerate(zip(parts.ids, parts.entries, strict=True)):
+        path = f"agents[{k}]"
+        if entry is None:
+            found.append(Listed(name, None, path))
+            total += 1
+        elif total + num_agents(entry) > MOST_AGENTS:
+            # Too many to be laid out; nothing is known about them.
+            found.append(Listed(None, None, path))
+            total += num_agents(entry)
+        else:
+            new = listed_agents(entry, path, directory, faults)
+            found += new
+            total += len(new)
+    if total > MOST_AGENTS:
+        text = f"are {total}, patterns and tables included; at most {MOST_AGENTS} are expected"
+        faults.append(("agents", text))
+    return found
+
+
+def _names(parts: Parts, listed: list[Listed], faults: list[Fault]) -> dict[str, tuple[int, ...]]:
+    """Indices of the agents that every id stands for, with a fault for every id that is taken."""
+    seen: dict[str, str] = {}
+    names: dict[str, tuple[int, ...]] = {}
+    collective: dict[str, list[int]] = {}
+    for a, one in enumerate(listed):
+        if one.entry:
+            collective.setdefault(one.entry, []).append(a)
+    entries = [
+        (name, f"agents[{k}]", tuple(collective[f"agents[{k}]"]))
+        for k, name in enumerate(parts.ids)
+        if f"agents[{k}]" in collective
+    ]
+    singles = [(one.id, one.path, (a,)) for a, one in enumerate(listed)]
+    for name, path, members in singles + entries:
+        if name is None:
+            continue
+        if name == "all":
+            text = "is 'all', which means every agent; another id is expected"
+            faults.append((f"{path}.id", text))
+        elif name in names:
+            text = f"is '{name}', as is {seen[name]}.id; unique ids are expected"
+            faults.append((f"{path}.id", text))
+        if name not in names:
+            seen[name], names[name] = path, members
+    return names
+
+
+def _agents(parts: Parts, listed: list[Listed], faults: list[Fault]) -> list[Agent]:
+    """The agents whose entries and defaults could be read."""
+    if parts.defaults is None:
+        return []
+    agents = [
+        merged_agent(parts.defaults, one.agent, one, parts.horizon, faults)
+        for one in listed
+        if one.agent is not None
+    ]
+    # A fault of the defaults shows at every agent, and is told once.
+    faults[:] = dict.fromkeys(faults)
+    return agents
+
+
+def _rules(parts: Parts, listed: list[Listed], faults: list[Fault], hints: Hints) -> list[Placed]:
+    """What groups and pairs say, in this order."""
+    names = _names(parts, listed, faults)
+    known = all(
+        entry is not None or name is not None
+        for name, entry in zip(parts.ids, parts.entries, strict=True)
+    )
+    rules = group_rules(parts.groups, names, known, faults, hints)
+    return rules + pair_rules(parts.pairs, names, len(listed), known, faults, hints)

@@ -1,0 +1,113 @@
+"""Scene files -> `Scene`: read, override, validate, fill in defaults, check what keys mean together."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from stplan.errors import SceneError
+from stplan.scene.format.file import FORMAT, SceneFile
+from stplan.scene.model import MeshBase, Scene
+from stplan.scene.reading.compile import check_parts, compile_scene, salvage
+from stplan.scene.reading.faults import Hints, scene_error, sentences, shown
+from stplan.scene.reading.overrides import apply_overrides
+from stplan.scene.reading.yaml_tree import LARGEST_FILE, read_tree
+
+
+def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
+    """Read, validate and complete a scene file.
+
+    Args:
+        path: a YAML file of format 1.
+        overrides: ``KEY=VALUE`` settings applied before validation, as in ``solver.mu=0.1``,
+            ``agents[0].radius=0.4`` or, by id, ``agents.sam.radius=0.4``.
+
+    Raises:
+        SceneError: every fault of the file, each with line, column and path.
+    """
+    source = Path(path)
+    try:
+        with source.open("rb") as file:
+            content = file.read(LARGEST_FILE + 1)
+    except FileNotFoundError as error:
+        raise SceneError(f"{source}: no such scene file") from error
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise SceneError(f"{source}: cannot be read: {reason}") from error
+    if len(content) > LARGEST_FILE:
+        raise SceneError(f"{source}:1:1: the file is larger than {LARGEST_FILE // 2**20} MiB")
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        before = content[: error.start].decode("utf-8", "replace")
+        line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
+        message = f"the byte 0x{content[error.start]:02x} is not UTF-8; a YAML text is expected"
+        raise SceneError(f"{source}:{line}:{column}: {message}") from error
+    return parse_scene(text, source=source, directory=source.parent, overrides=overrides)
+
+
+def parse_scene(
+    text: str,
+    *,
+    source: Path | None = None,
+    directory: Path | None = None,
+    overrides: Sequence[str] = (),
+) -> Scene:
+    """Like `load_scene`, from text; map files are looked for in `directory` (default: here)."""
+    name = str(source) if source is not None else "scene"
+    folder = directory or Path()
+    hints = Hints()
+    tree = read_tree(text, name)
+    if not isinstance(tree.value, dict):
+        if tree.faults:
+            raise scene_error(name, tree, {}, [])
+        what = shown(tree.value)
+        raise SceneError(
+            f"{name}:1:1: is {what}; a scene, a mapping of keys to values, is expected"
+        )
+    overridden = apply_overrides(tree, overrides)
+    try:
+        file = SceneFile.model_validate(tree.value)
+    except ValidationError as error:
+        faults = sentences(error, tree, hints)
+        broken = {path for path, _ in faults} | {path for path, _, _ in tree.faults}
+        faults += check_parts(salvage(tree.value, broken), folder, hints)
+        raise scene_error(name, tree, overridden, faults) from error
+    stem = "scene" if source is None else _file_name(source.stem)
+    scene, faults = compile_scene(file, stem, source, folder, tree.locations, overridden, hints)
+    if faults or tree.faults:
+        raise scene_error(name, tree, overridden, faults)
+    return replace(scene, content_hash=_content_hash(scene))
+
+
+def _file_name(stem: str) -> str:
+    """A file's stem as an output name."""
+    name = re.sub(r"[^a-z0-9_-]+", "-", stem.lower()).lstrip("-_").rstrip("-")
+    return name[:100] or "scene"
+
+
+def _content_hash(scene: Scene) -> str:
+    """SHA-256 of the scene's meaning: not of comments, order of keys, formatting or any name of it."""
+    bare = replace(
+        scene, name="", source=None, locations={}, overridden={}, content_hash="", agent_paths=()
+    )
+    meaning: dict[str, Any] = asdict(bare)
+    digest = hashlib.sha256(f"stplan {FORMAT}\n".encode())
+    if scene.map is not None and isinstance(scene.map.base, MeshBase):
+        path = scene.map.base.path
+        try:
+            content = path.read_bytes()
+        except OSError as error:
+            text = f"cannot be read: {error.strerror}"
+            raise SceneError(scene.located("map.mesh", text)) from error
+        meaning["map"]["base"]["path"] = "mesh"
+        digest.update(hashlib.sha256(content).digest())
+    digest.update(json.dumps(meaning, sort_keys=True).encode())
+    return digest.hexdigest()

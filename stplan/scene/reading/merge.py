@@ -1,0 +1,198 @@
+"""One agent of a file: its own keys over `defaults` over what the format promises."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stplan.scene.format.agents import AgentFile, SharedFields, WaypointFile
+from stplan.scene.model import Agent, Point, Visit, Weights
+from stplan.scene.reading.faults import Fault
+from stplan.scene.reading.patterns import Listed
+
+DEFAULT_RADIUS = 0.3
+DEFAULT_MASS = 1.0
+
+
+def merged_agent(
+    defaults: SharedFields,
+    own: AgentFile,
+    listed: Listed,
+    horizon: float | None,
+    faults: list[Fault],
+) -> Agent:
+    """The agent of `listed`; with new `faults` it must not be used."""
+    return _Merge(defaults, own, listed, faults).agent(horizon)
+
+
+def _point(values: list[float]) -> Point:
+    return (values[0], values[1])
+
+
+def _place(entry: list[float] | WaypointFile) -> Point:
+    return _point(entry.at if isinstance(entry, WaypointFile) else entry)
+
+
+def _visit(entry: list[float] | WaypointFile) -> Visit:
+    if not isinstance(entry, WaypointFile):
+        return Visit()
+    window = None if entry.window is None else (entry.window[0], entry.window[1])
+    return Visit(window, entry.dwell or 0.0)
+
+
+class _Merge:
+    """One agent: its own keys over `defaults` over what the format promises."""
+
+    def __init__(
+        self, defaults: SharedFields, own: AgentFile, listed: Listed, faults: list[Fault]
+    ) -> None:
+        self._defaults, self._own, self._listed, self._faults = defaults, own, listed, faults
+
+    def _value(self, key: str, fallback: Any) -> Any:
+        for part in (self._own, self._defaults):
+            value = getattr(part, key)
+            if value is not None:
+                return value
+        return fallback
+
+    def _fault(self, key: str, text: str) -> None:
+        """A fault of `key`, told where its value stands: with the agent, or in `defaults`."""
+        here: Any = self._own
+        there: Any = self._defaults
+        for step in key.partition("[")[0].split("."):
+            here, there = getattr(here, step, None), getattr(there, step, None)
+        shared = here is None and there is not None
+        self._faults.append((f"defaults.{key}" if shared else self._listed.place(key), text))
+
+    def agent(self, horizon: float | None) -> Agent:
+        """The agent; with new faults it must not be used."""
+        own = self._own
+        path: tuple[tuple[float, float, float], ...] | None = None
+        weights = self._weights()
+        if own.path is not None:
+            path = tuple((x, y, t) for x, y, t in own.path)
+            self._check_path(path)
+            start, goal = path[0][:2], path[-1][:2]
+            start_time, max_time = path[0][2], path[-1][2]
+            waypoints: tuple[Point, ...] = ()
+            visits: tuple[Visit, ...] = ()
+            max_speed = max_acceleration = None
+        else:
+            start, goal = self._end("start"), self._end("goal")
+            start_time, max_time = self._times(horizon)
+            entries = self._value("waypoints", [])
+            waypoints = tuple(_place(entry) for entry in entries)
+            visits = tuple(_visit(entry) for entry in entries)
+            visits = visits if any(visit != Visit() for visit in visits) else ()
+            max_speed = self._value("max_speed", None)
+            max_acceleration = self._value("max_acceleration", None)
+            self._check_preferred_time(weights, start_time, max_time)
+            self._check_visits(visits, start_time, max_time)
+        return Agent(
+            id=own.id,
+            start=start,
+            goal=goal,
+            start_time=start_time,
+            max_time=max_time,
+            preferred_time=self._value("preferred_time", None),
+            radius=self._value("radius", DEFAULT_RADIUS),
+            mass=self._value("mass", DEFAULT_MASS),
+            after_arrival=self._value("after_arrival", "stay"),
+            waypoints=waypoints,
+            weights=weights,
+            path=path,
+            max_speed=max_speed,
+            max_acceleration=max_acceleration,
+            visits=visits,
+        )
+
+    def _weights(self) -> Weights:
+        values: dict[str, Any] = {}
+        for part in (self._defaults.weights, self._own.weights):
+            for key in () if part is None else part.model_fields_set:
+                value = getattr(part, key)
+                values[key] = None if value == "auto" else value
+        return Weights(**values)
+
+    def _end(self, key: str) -> Point:
+        value = getattr(self._own, key)
+        if value is None:
+            text = "is missing; a point [x, y] in m is expected, or a path"
+            self._faults.append((self._listed.place(key), text))
+        return _point(value or [0.0, 0.0])
+
+    def _times(self, horizon: float | None) -> tuple[float, float]:
+        start_time: float = self._value("start_time", 0.0)
+        max_time: float | None = self._value("max_time", horizon)
+        if max_time is None:
+            text = "is missing; a time in s is expected, or a max_time of every agent"
+            self._faults.append(("horizon", text))
+            return start_time, start_time + 1.0
+        if max_time <= start_time:
+            given = self._own.max_time is not None or self._defaults.max_time is not None
+            key = "max_time" if given else "start_time"
+            text = (
+                f"max_time {max_time:g} s is not after start_time {start_time:g} s"
+                if given
+                else f"is {start_time:g} s; less than the horizon {max_time:g} s is expected"
+            )
+            self._fault(key, text + ("; a later one is expected" if given else ""))
+        return start_time, max_time
+
+    def _check_preferred_time(self, weights: Weights, start_time: float, max_time: float) -> None:
+        preferred: float | None = self._value("preferred_time", None)
+        if preferred is None:
+            if weights.arrival > 0:
+                self._fault(
+                    "weights.arrival",
+                    f"is {weights.arrival:g}, but preferred_time is missing; a time in s is expected",
+                )
+        elif not start_time < preferred <= max_time:
+            self._fault(
+                "preferred_time",
+                f"is {preferred:g} s; after start_time {start_time:g} s and no later than "
+                f"max_time {max_time:g} s is expected",
+            )
+
+    def _check_visits(self, visits: tuple[Visit, ...], start_time: float, max_time: float) -> None:
+        """Every visit fits into its window, and all of them one after another into the time."""
+        now = start_time
+        for k, visit in enumerate(visits):
+            begin, end = visit.window or (start_time, max_time)
+            if visit.window is not None and begin >= end:
+                text = f"reaches from {begin:g} s to {end:g} s; a later end is expected"
+                self._fault(f"waypoints[{k}].window", text)
+                return
+            now = max(now, begin) + visit.dwell
+            if now > min(end, max_time):
+                text = (
+                    f"cannot be left before {now:g} s; no later than {min(end, max_time):g} s "
+                    "is expected"
+                )
+                self._fault(f"waypoints[{k}]", text)
+                return
+
+    def _check_path(self, path: tuple[tuple[float, float, float], ...]) -> None:
+        """Times of a given path rise, and what repeats it says the same."""
+        own, here = self._own, self._listed.path
+        for k in range(1, len(path)):
+            if path[k][2] <= path[k - 1][2]:
+                text = f"is at {path[k][2]:g} s; later than the knot before is expected"
+                self._faults.append((f"{here}.path[{k}][2]", f"{text} ({path[k - 1][2]:g} s)"))
+        for key, place in (("start", path[0]), ("goal", path[-1])):
+            value = getattr(own, key)
+            if value is not None and _point(value) != place[:2]:
+                text = f"is not the path's end ({place[0]:g}, {place[1]:g}); leave it out"
+                self._faults.append((f"{here}.{key}", text))
+        if own.start_time is not None and own.start_time != path[0][2]:
+            text = f"is {own.start_time:g} s, the path starts at {path[0][2]:g} s; leave it out"
+            self._faults.append((f"{here}.start_time", text))
+        if own.max_time is not None and own.max_time < path[-1][2]:
+            text = f"is {own.max_time:g} s, the path ends at {path[-1][2]:g} s; leave it out"
+            self._faults.append((f"{here}.max_time", text))
+        for key in ("max_speed", "max_acceleration"):
+            if getattr(own, key) is not None:
+                text = "belongs to agents that find their way; one with a path moves as told"
+                self._faults.append((f"{here}.{key}", text))
+        if own.waypoints:
+            text = "belongs to agents that find their way; one with a path passes its knots"
+            self._faults.append((f"{here}.waypoints", text))

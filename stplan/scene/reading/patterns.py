@@ -1,0 +1,285 @@
+"""Entries of `agents` -> agents: patterns are laid out, tables are read."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from stplan.scene.format.agents import (
+    MOST_AGENTS,
+    AgentFile,
+    AgentsCsvFile,
+    CirclePatternFile,
+    GridPatternFile,
+    LinePatternFile,
+    PatternFile,
+    SharedFields,
+    WeightsFile,
+)
+from stplan.scene.model import Point
+from stplan.scene.reading.faults import Fault
+
+LARGEST_TABLE = 16 * 1024 * 1024
+ENDS = ("id", "start_x", "start_y", "goal_x", "goal_y")
+# Further columns of a table; a weight is a column such as `weights.arrival`.
+WORDS = ("after_arrival",)
+NUMBERS = (
+    "start_time", "max_time", "preferred_time", "radius", "mass", "max_speed", "max_acceleration",
+)  # fmt: skip
+WEIGHTS = tuple(f"weights.{name}" for name in WeightsFile.model_fields)
+MOST_FAULTS = 20
+
+
+@dataclass(frozen=True)
+class Listed:
+    """One agent of the file.
+
+    Attributes:
+        id: None where it could not be read.
+        agent: None where it could not be read.
+        path: where it stands.
+        entry: where the keys stand that it shares with others of its pattern or table.
+        shared: those keys.
+    """
+
+    id: str | None
+    agent: AgentFile | None
+    path: str
+    entry: str = ""
+    shared: frozenset[str] = frozenset()
+
+    def place(self, key: str) -> str:
+        """Path of one of its keys."""
+        shared = key.partition(".")[0].partition("[")[0] in self.shared
+        return f"{self.entry if shared else self.path}.{key}"
+
+
+def num_agents(entry: AgentFile | PatternFile | AgentsCsvFile) -> int:
+    """How many agents an `entry` stands for; of a table, which has to be read for that, at least."""
+    if isinstance(entry, GridPatternFile):
+        return entry.rows * entry.columns
+    return entry.count if isinstance(entry, CirclePatternFile | LinePatternFile) else 1
+
+
+def listed_agents(
+    entry: AgentFile | PatternFile | AgentsCsvFile,
+    path: str,
+    directory: Path,
+    faults: list[Fault],
+) -> list[Listed]:
+    """The agents of an `entry` at `path`; tables are looked for in `directory`."""
+    if isinstance(entry, AgentFile):
+        return [Listed(entry.id, entry, path)]
+    shared = {
+        key: getattr(entry, key)
+        for key in SharedFields.model_fields
+        if getattr(entry, key) is not None
+    }
+    if isinstance(entry, AgentsCsvFile):
+        rows = _table(entry.file, directory, f"{path}.file", faults)
+        return [
+            Listed(
+                row["id"],
+                _joined(shared, row),
+                f"{path}.file[{k}]",
+                path,
+                frozenset(shared) - frozenset(row),
+            )
+            for k, row in enumerate(rows)
+        ]
+    return [
+        Listed(
+            f"{entry.id}-{k + 1}",
+            _joined(shared, {"id": f"{entry.id}-{k + 1}", "start": start, "goal": goal}),
+            f"{path}[{k}]",
+            path,
+            frozenset(shared),
+        )
+        for k, (start, goal) in enumerate(zip(*_ends(entry), strict=True))
+    ]
+
+
+def _joined(shared: Mapping[str, Any], own: Mapping[str, Any]) -> AgentFile:
+    """An agent of checked values; its own weights win over shared ones one by one."""
+    values = {**shared, **own}
+    if "weights" in own and "weights" in shared:
+        weights = {
+            key: getattr(part, key)
+            for part in (shared["weights"], own["weights"])
+            for key in part.model_fields_set
+        }
+        values["weights"] = WeightsFile(**weights)
+    return AgentFile.model_construct(**values)
+
+
+def _ends(entry: PatternFile) -> tuple[list[list[float]], list[list[float]]]:
+    """Starts and goals of a pattern."""
+    if isinstance(entry, CirclePatternFile):
+        first = entry.first_angle or 0.0
+        turn = 180.0 if entry.turn is None else entry.turn
+        angles = [first + 360.0 * k / entry.count for k in range(entry.count)]
+        center, radius = entry.circle.center, entry.circle.radius
+        return (
+            [_on_circle(center, radius, angle) for angle in angles],
+            [_on_circle(center, radius, angle + turn) for angle in angles],
+        )
+    if isinstance(entry, LinePatternFile):
+        return _along(entry.start, entry.count), _along(entry.goal, entry.count)
+    assert isinstance(entry, GridPatternFile)
+    places = [
+        (column * entry.spacing[0], row * entry.spacing[1])
+        for row in range(entry.rows)
+        for column in range(entry.columns)
+    ]
+    starts, goals = (
+        [[corner[0] + dx, corner[1] + dy] for dx, dy in places]
+        for corner in (entry.start, entry.goal)
+    )
+    return starts, goals
+
+
+def _on_circle(center: list[float], radius: float, degrees: float) -> list[float]:
+    """A point on a circle; opposite ones are opposite to the last bit."""
+    half, rest = divmod(degrees % 360.0, 180.0)
+    side = -radius if half else radius
+    angle = math.radians(rest)
+    return [center[0] + side * math.cos(angle), center[1] + side * math.sin(angle)]
+
+
+def _along(line: list[list[float]], count: int) -> list[list[float]]:
+    """`count` points evenly spaced along a polyline, both ends among them; one is in the middle."""
+    points: list[Point] = [(x, y) for x, y in line]
+    lengths = [math.dist(points[k], points[k + 1]) for k in range(len(points) - 1)]
+    total = sum(lengths)
+    found = []
+    for k in range(count):
+        if k == count - 1 and count > 1:
+            found.append(list(points[-1]))
+            continue
+        rest = total * (0.5 if count == 1 else k / (count - 1))
+        leg = 0
+        while leg < len(lengths) - 1 and rest > lengths[leg]:
+            rest -= lengths[leg]
+            leg += 1
+        part = rest / lengths[leg] if lengths[leg] > 0 else 0.0
+        (x0, y0), (x1, y1) = points[leg], points[leg + 1]
+        found.append([x0 + part * (x1 - x0), y0 + part * (y1 - y0)])
+    return found
+
+
+def _table(name: str, directory: Path, path: str, faults: list[Fault]) -> list[dict[str, Any]]:
+    """Checked values of every row of a CSV table."""
+    text = _table_text(name, directory, path, faults)
+    if text is None:
+        return []
+    rows = csv.reader(io.StringIO(text, newline=""), strict=True)
+    found: list[dict[str, Any]] = []
+    bad: list[str] = []
+    try:
+        header = [cell.strip() for cell in next(rows, [])]
+        bad = _header_faults(header)
+        for row in () if bad else rows:
+            if not any(cell.strip() for cell in row):
+                continue
+            values, wrong = _row(header, row)
+            bad += [f"line {rows.line_num}: {sentence}" for sentence in wrong]
+            if not wrong:
+                found.append(values)
+            if len(found) > MOST_AGENTS or len(bad) > MOST_AGENTS:
+                bad.insert(0, f"has more than {MOST_AGENTS} rows")
+                break
+    except csv.Error as error:
+        bad.append(f"line {rows.line_num}: is not well-formed CSV: {error}")
+    if not bad and not found:
+        bad.append("there is no row after the header")
+    more = len(bad) - MOST_FAULTS
+    bad = bad[:MOST_FAULTS] + ([f"and {more} more faults"] if more > 0 else [])
+    faults += [(path, f"{name}: {sentence}") for sentence in bad]
+    return [] if bad else found
+
+
+def _table_text(name: str, directory: Path, path: str, faults: list[Fault]) -> str | None:
+    source = directory / name
+    try:
+        if Path(name).is_absolute():
+            text = f"is {name!r}, an absolute path; one relative to the scene file is expected"
+            faults.append((path, text))
+            return None
+        if "\x00" in name or not source.is_file():
+            faults.append((path, f"there is no file {name!r} beside the scene"))
+            return None
+        if source.stat().st_size > LARGEST_TABLE:
+            faults.append((path, f"{name!r} is larger than {LARGEST_TABLE // 2**20} MiB"))
+            return None
+        return source.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError:
+        faults.append((path, f"{name!r} is not UTF-8; a text is expected"))
+    except OSError as error:
+        faults.append((path, f"{name[:100]!r} cannot be read: {error.strerror}"))
+    return None
+
+
+def _header_faults(header: list[str]) -> list[str]:
+    known = (*ENDS, *NUMBERS, *WORDS, *WEIGHTS)
+    faults = [f"the header lacks {name}" for name in ENDS if name not in header]
+    faults += [
+        f"the header has {name!r}; known columns are {', '.join(known)}"
+        for name in header
+        if name not in known
+    ]
+    if not faults and len(set(header)) < len(header):
+        faults.append("the header has a column twice")
+    return faults
+
+
+def _row(header: list[str], row: list[str]) -> tuple[dict[str, Any], list[str]]:
+    """Checked values of one row and its faults; empty cells are left out."""
+    if len(row) != len(header):
+        return {}, [f"{len(row)} values; {len(header)} are expected"]
+    cells = {key: cell.strip() for key, cell in zip(header, row, strict=True) if cell.strip()}
+    values: dict[str, Any] = {}
+    for key, cell in cells.items():
+        place, _, weight = key.partition(".")
+        value: Any = cell if key in ("id", *WORDS) or cell == "auto" else _number(cell)
+        if weight:
+            values.setdefault(place, {})[weight] = value
+        elif key in ENDS and key != "id":
+            values.setdefault(key[:-2], [None, None])[key.endswith("y")] = value
+        else:
+            values[key] = value
+    missing = [f"{key} is empty" for key in ENDS if key not in cells]
+    if missing:
+        return {}, missing
+    try:
+        agent = AgentFile.model_validate(values)
+    except ValidationError as error:
+        return {}, [_cell_fault(fault["loc"], cells) for fault in error.errors(include_url=False)]
+    return {key: getattr(agent, key) for key in agent.model_fields_set}, []
+
+
+def _number(text: str) -> float | str:
+    """The number a cell holds, or its text where it holds none."""
+    try:
+        return text if "_" in text else float(text)
+    except ValueError:
+        return text
+
+
+def _cell_fault(steps: tuple[int | str, ...], cells: Mapping[str, str]) -> str:
+    key = str(steps[0])
+    if key in ("start", "goal"):
+        key += "_y" if steps[-1] == 1 else "_x"
+    elif key == "weights":
+        key = ".".join(map(str, steps[:2]))
+    wanted = {
+        "id": "a name without white space, quotes, commas or brackets",
+        "after_arrival": "stay or vanish",
+    }.get(key, "a number in the range of this key")
+    return f"{key} is {cells[key][:60]!r}; {wanted} is expected"

@@ -1,0 +1,324 @@
+"""Relaxation: elastic strings in space-time, pushed apart until all rods are clear.
+
+In (x, y, c t) straight lines of constant speed hardly ever meet, so they are where every agent
+starts from (or from the geodesics it is given where there are walls), each with a small seeded
+bow. Contact springs then push rods apart at full distance while the strings' tension, high at
+first, decays: high tension parts tangles as a whole, low tension lets the last ones give way.
+There is no search and there are no priorities. Single-lane deadlocks are beyond it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.compiled import working_time
+from stplan.seeding.elastic_bands.band_neighbours import near_rows, tight_pairs
+from stplan.seeding.elastic_bands.bands import Strings, initial_curves, may_slide
+from stplan.seeding.elastic_bands.sweeps import string_crosses, sweep_strings
+from stplan.seeding.rod_problem import Requirement, RodProblem, requirement, verify, wall_clearance
+
+# Springs aim this much beyond what is required, so that they get there in finite time.
+AIM = 1.015
+# Tension starts high, the higher the more of their ways agents touch somebody at first; it is held for
+# some sweeps and then decays to nearly nothing.
+TENSION = 5.0
+TENSION_CROWDED = 50.0
+MOST_TENSION = 30.0
+# Rods grow to their full radius within so many sweeps: neighbours part gently, on the cheaper side.
+GROWING_SWEEPS = 20
+HELD_SWEEPS = 8
+DECAY = 0.97
+LEAST_TENSION = 0.005
+# Few that touch are soon parted: an agent's tension decays up to so many times as fast, at the plain
+# pace where it touches at least so many others.
+FASTEST_PACE = 5.0
+PLAIN_PACE_CONTACTS = 6.0
+# Agents that touch nobody are left alone after so many sweeps.
+IDLE_SWEEPS = 20
+# Look for success this often; without progress for so long, pull the stuck strings tight again.
+CHECK_EVERY = 4
+PATIENCE = 80
+# A re-tensioned string is knocked aside by about this many radii.
+KNOCK = 1.5
+# The least part of a contact that a heavy agent answers for.
+LEAST_SHARE = 0.1
+
+
+# Neighbours are listed within a skin of so many radii, more of them where lists last for less than
+# SOON sweeps, fewer where they last for more than LATE.
+SKINS = (0.7, 2.0)
+SKIN_STEP = 1.4
+SOON, LATE = 2, 5
+
+
+@dataclass(frozen=True)
+class RelaxationResult:
+    """What came of it.
+
+    Attributes:
+        curves: one (n, 3) curve an agent in (x, y, t), clear if solved.
+        solved: proven clear with the margin asked for (see `rods.requirement`).
+        sweeps: how many were made.
+        stuck: pairs of agents that are still too near.
+        retensions: how often stuck strings were pulled tight again.
+    """
+
+    curves: list[FloatArray]
+    solved: bool
+    sweeps: int
+    stuck: list[tuple[int, int]]
+    retensions: int
+
+
+def relax(
+    problem: RodProblem,
+    initial: Sequence[FloatArray] | None = None,
+    *,
+    num_knots: int = 30,
+    margin: float = 1.05,
+    time_limit: float = 60.0,
+    rng_seed: int = 0,
+    max_sweeps: int = 2000,
+    check: Callable[[], None] = lambda: None,
+) -> RelaxationResult:
+    """Push rods apart until they are clear, or until the sweeps or the time (s) are used up.
+
+    `initial` curves (n, 3) must not cross walls and have to pass the waypoints; without them the
+    strings start straight. The result depends on time only when `time_limit` strikes. `check` is called
+    every sweep; what it raises ends the work.
+    """
+    deadline = working_time() + time_limit
+    rng = np.random.default_rng(rng_seed)
+    curves = initial_curves(problem, initial, num_knots, rng)
+    relaxation = _Relaxation(problem, curves, _wanted(problem, curves, margin), rng)
+    sweeps = 0
+    stuck: list[tuple[int, int]] = []
+    while sweeps < max_sweeps:
+        check()
+        relaxation.sweep()
+        sweeps += 1
+        if sweeps % CHECK_EVERY == 0:
+            stuck = relaxation.stuck_pairs()
+            if not stuck:
+                found = relaxation.strings.curves(problem)
+                if not verify(problem, found, relaxation.required):
+                    return RelaxationResult(found, True, sweeps, [], relaxation.retensions)
+            relaxation.retension_if_stuck(stuck)
+        if working_time() > deadline:
+            break
+    return RelaxationResult(
+        relaxation.strings.curves(problem), False, sweeps, stuck, relaxation.retensions
+    )
+
+
+def _wanted(problem: RodProblem, curves: Sequence[FloatArray], margin: float) -> Requirement:
+    """The requirement, with no more room to walls than half of what the first curves have."""
+    required = requirement(problem, margin)
+    walls = required.walls.copy()
+    for agent, curve in enumerate(curves):
+        radius = float(problem.radii[agent])
+        gap = wall_clearance(problem, agent, curve, 2.0 * float(walls[agent]))
+        if gap > radius:
+            walls[agent] = min(walls[agent], radius + 0.5 * (gap - radius))
+    return Requirement(required.rods, walls)
+
+
+class _Relaxation:
+    """The strings, their neighbours and how far each one's tension has decayed."""
+
+    def __init__(
+        self,
+        problem: RodProblem,
+        curves: Sequence[FloatArray],
+        required: Requirement,
+        rng: np.random.Generator,
+    ) -> None:
+        self.problem = problem
+        self.required = required
+        self.rng = rng
+        self.strings = Strings.build(problem, curves)
+        self.first_positions = self.strings.positions.copy()
+        self.movable = np.flatnonzero(~problem.fixed)
+        self.rod_target = AIM * required.rods
+        heeds = problem.heeds_walls & (problem.boundary is not None)
+        self.wall_target = np.where(heeds, AIM * required.walls, 0.0)
+        total = problem.masses[:, None] + problem.masses[None, :]
+        self.share = np.clip(2.0 * problem.masses[None, :] / total, LEAST_SHARE, 1.0)
+        self.body = float(np.median(problem.radii))
+        self.skin = self.body
+        self.age = np.zeros(problem.num_agents)
+        self.pace = np.ones(problem.num_agents)
+        self.sweeps = self.retensions = self.progress_at = 0
+        self.fewest = np.inf
+        self.ceilings = problem.time_scale * problem.max_times
+        rises = problem.time_scale * (problem.preferred_times - problem.start_times)
+        self.rest_rises = np.where(may_slide(problem), rises / (self.strings.num_knots - 1), 0.0)
+        self._list_neighbours()
+        self.guarded = self._clear_of_walls()
+        self.tension = float(np.clip(TENSION_CROWDED * self._crowding(), TENSION, MOST_TENSION))
+
+    def sweep(self) -> None:
+        """One sweep in random order; neighbours are listed anew when somebody has moved far."""
+        strings = self.strings
+        grown = min(1.0, (self.sweeps + 1) / GROWING_SWEEPS)
+        decayed = self.tension * DECAY ** np.maximum(self.age - HELD_SWEEPS, 0.0)
+        moved = sweep_strings(
+            self.rng.permutation(self.movable), strings.first_knot, strings.num_knots,
+            strings.positions, self.reference, strings.hold, self.ceilings, self.rest_rises,
+            np.maximum(decayed, LEAST_TENSION), self.problem.radii, self.sweeps > IDLE_SWEEPS,
+            strings.segments, strings.agents, strings.first_segment, strings.num_moving,
+            self.rows, self.members, grown * self.rod_target, self.share,
+            self.wall_rows, self.wall_members, self.edges, self.wall_target, self.guarded,
+        )  # fmt: skip
+        if grown == 1.0:
+            self.age += self.pace
+        self.sweeps += 1
+        if moved > 0.5 * self.skin:
+            self._adapt_skin()
+            self._list_neighbours()
+
+    def _crowding(self) -> float:
+        """The part of their ways on which agents touch somebody at first, roughly."""
+        strings = self.strings
+        ends = strings.segments[: strings.num_moving]
+        length = np.linalg.norm(
+            strings.positions[ends[:, 1]] - strings.positions[ends[:, 0]], axis=1
+        )
+        touched = sum(2.0 * self.problem.distance[pair] for pair in self.stuck_pairs())
+        return float(touched / max(float(length.sum()), 1e-12))
+
+    def _adapt_skin(self) -> None:
+        """Longer lists where they would soon be made anew, shorter ones where they last."""
+        lasted = self.sweeps - self.listed_at
+        if lasted < SOON:
+            self.skin = min(self.skin * SKIN_STEP, SKINS[1] * self.body)
+        elif lasted > LATE:
+            self.skin = max(self.skin / SKIN_STEP, SKINS[0] * self.body)
+
+    def stuck_pairs(self) -> list[tuple[int, int]]:
+        """Pairs of agents a < b that are not clear, sorted."""
+        strings = self.strings
+        found = tight_pairs(
+            strings.positions, strings.segments, strings.agents, self.rows, self.members,
+            self.required.rods,
+        )  # fmt: skip
+        count = self.problem.num_agents
+        codes = np.unique(found.min(axis=1) * count + found.max(axis=1))
+        pairs = np.column_stack([codes // count, codes % count])
+        contacts = np.bincount(pairs.ravel(), minlength=count)
+        self.pace = np.clip(PLAIN_PACE_CONTACTS / np.maximum(contacts, 1), 1.0, FASTEST_PACE)
+        return [(int(a), int(b)) for a, b in pairs]
+
+    def retension_if_stuck(self, stuck: list[tuple[int, int]]) -> None:
+        """After long without fewer stuck pairs, pull their strings tight and knock one aside."""
+        if len(stuck) < 0.9 * self.fewest:
+            self.fewest = len(stuck)
+            self.progress_at = self.sweeps
+        if self.sweeps - self.progress_at < PATIENCE:
+            return
+        self.retensions += 1
+        self.progress_at = self.sweeps
+        self.fewest = np.inf
+        knocked: set[int] = set()
+        for agent in sorted({agent for pair in stuck for agent in pair}):
+            self.age[agent] = 0.0
+            self._put_off(agent)
+        for pair in stuck:
+            if knocked.isdisjoint(pair):
+                one = pair[int(self.rng.random() < 0.5)]
+                one = one if self.problem.paths[one] is None else sum(pair) - one
+                knocked.add(one)
+                self._knock(one)
+        self._list_neighbours()
+
+    def _put_off(self, agent: int) -> None:
+        """Aim at the latest arrival where the preferred one is earlier: its tail is in the way."""
+        problem, strings = self.problem, self.strings
+        late = problem.preferred_times[agent] < problem.max_times[agent]
+        if not late or not problem.stays[agent] or problem.fixed[agent]:
+            return
+        knots = strings.knots(agent)
+        rise = self.ceilings[agent] - knots[0, 2]
+        knots[:, 2] = knots[0, 2] + (knots[:, 2] - knots[0, 2]) * (
+            rise / (knots[-1, 2] - knots[0, 2])
+        )
+        self.rest_rises[agent] = rise / (len(knots) - 1)
+
+    def _knock(self, agent: int) -> None:
+        """Push a part of a string (as it is, or as it was at first) aside by a radius or so."""
+        if self.problem.paths[agent] is not None:
+            return
+        strings = self.strings
+        begin, count = strings.first_knot[agent], strings.num_knots[agent]
+        own = slice(begin, begin + count)
+        along = np.linspace(0.0, 1.0, count)
+        for _ in range(5):
+            middle, width = self.rng.uniform(0.1, 0.9), self.rng.choice([0.15, 0.3, 1.0])
+            wave = np.sin(np.pi * along) * np.exp(-(((along - middle) / width) ** 2))
+            base = self.first_positions if self.rng.random() < 0.5 else strings.positions
+            aside = self.rng.normal(size=3) * self.problem.radii[agent] * KNOCK
+            knots = base[own] + np.where(strings.hold[own, None] == 0, wave[:, None] * aside, 0.0)
+            if (np.diff(knots[:, 2]) > 1e-3 * np.ptp(knots[:, 2]) / count).all() and not (
+                self.guarded[agent] and self._crosses(knots)
+            ):
+                strings.positions[own] = knots
+                return
+
+    def _crosses(self, knots: FloatArray) -> bool:
+        """Whether a string would cross any wall."""
+        if self.problem.boundary is None:
+            return False
+        rows, members = self._wall_rows(knots[:-1, :2], knots[1:, :2], np.zeros(len(knots) - 1))
+        return bool(string_crosses(knots, 0, rows, members, self.edges))
+
+    def _list_neighbours(self) -> None:
+        """List segments and boundary edges that may come within their targets."""
+        strings, problem = self.strings, self.problem
+        self.reference = strings.positions.copy()
+        self.listed_at = self.sweeps
+        heads = strings.positions[strings.segments[:, 0]]
+        tails = strings.positions[strings.segments[:, 1]]
+        moving = np.arange(len(strings.segments)) < strings.num_moving
+        # Tails are listed too: they push nothing, but may stand in the way of a given path.
+        asking = ~problem.fixed[strings.agents]
+        reach = self.rod_target + self.skin
+        extent = np.abs(tails - heads).max(axis=1)
+        cell = max(float(np.median(extent)), float(np.median(reach)))
+        self.rows, self.members = near_rows(
+            strings.positions, strings.segments, strings.agents, asking, problem.collides,
+            reach, cell,
+        )  # fmt: skip
+        if problem.boundary is None:
+            self.edges = np.zeros((0, 4))
+            self.wall_rows = np.zeros(len(heads) + 1, dtype=np.int64)
+            self.wall_members = np.zeros(0, dtype=np.int64)
+        else:
+            self.edges = problem.boundary.edges
+            room = self.wall_target + np.maximum(self.skin, problem.radii)
+            self.wall_rows, self.wall_members = self._wall_rows(
+                heads[:, :2], tails[:, :2], np.where(moving, room[strings.agents], 0.0)
+            )
+
+    def _wall_rows(
+        self, heads: FloatArray, tails: FloatArray, reach: FloatArray
+    ) -> tuple[IntArray, IntArray]:
+        """Boundary edges near every segment, as compressed rows."""
+        if self.problem.boundary is None:
+            return np.zeros(len(heads) + 1, dtype=np.int64), np.zeros(0, dtype=np.int64)
+        segment, edge = self.problem.boundary.near(
+            np.ascontiguousarray(heads), np.ascontiguousarray(tails), reach
+        )
+        return np.searchsorted(segment, np.arange(len(heads) + 1)).astype(np.int64), edge
+
+    def _clear_of_walls(self) -> BoolArray:
+        """(A,) agents whose string crosses no wall at first: they are kept from doing so."""
+        return np.array(
+            [
+                bool(self.wall_target[a] > 0.0) and not self._crosses(self.strings.knots(a))
+                for a in range(self.problem.num_agents)
+            ]
+        )

@@ -1,0 +1,158 @@
+"""Repair of neighbourhoods: curves that still touch, replanned a few agents at a time.
+
+All agents have a curve, some pairs touch. Again and again one touching agent, those it touches and
+some that pass nearby are taken out and replanned in random order among all the others, some held
+at their starts for a while. An agent without a free way keeps its old curve or takes the one
+that touches fewest. The exchange is kept when no more pairs touch than before, now and then
+also when a few more do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.seeding.search.conflicts import CurveSet
+from stplan.seeding.search.layered_dijkstra import space_time_length
+from stplan.seeding.search.planner import LayeredPlanner
+
+LARGEST_NEIGHBOURHOOD = 8
+# A neighbour passes within so many times the required distance.
+NEARBY = 6.0
+# Price of a blocked move, in mean costs of a move.
+PENALTIES = (20.0, 50.0, 200.0)
+# One more touching pair is accepted with this probability, two with its square.
+ACCEPT_WORSE = 0.04
+
+
+@dataclass(frozen=True)
+class Repaired:
+    """What repair reached.
+
+    Attributes:
+        curves: one (n, 3) curve an agent, clear if `conflicts` is 0.
+        conflicts: pairs that still touch.
+        iterations: neighbourhoods replanned.
+        touching: the pairs that still touch.
+    """
+
+    curves: list[FloatArray]
+    conflicts: int
+    iterations: int
+    touching: list[tuple[int, int]]
+
+
+def first_curves(
+    planner: LayeredPlanner,
+    rng: np.random.Generator,
+    stopped: Callable[[], bool] = lambda: False,
+) -> list[FloatArray] | None:
+    """Curves planned in random order, each free if it can be, else touching as few as it can.
+
+    None if someone has no way at all, or if `stopped`.
+    """
+    planner.reset()
+    curves = [path if path is not None else np.empty((0, 3)) for path in planner.problem.paths]
+    for agent in (int(agent) for agent in rng.permutation(np.array(planner.movers))):
+        if stopped():
+            return None
+        path = planner.path(agent)
+        if path is None:
+            path = _least_touching(planner, agent, PENALTIES[0], rng)
+        if path is None:
+            return None
+        curves[agent] = planner.curve(agent, path)
+        planner.add(planner.blocks(agent, curves[agent]))
+    return curves
+
+
+def _least_touching(
+    planner: LayeredPlanner, agent: int, penalty: float, rng: np.random.Generator
+) -> IntArray | None:
+    """A way through other rods at a `penalty`, in mean costs of a move; a little random."""
+    cost = space_time_length(planner.graph, planner.grid.height)
+    cost *= 1.0 + 0.1 * rng.random(len(cost))
+    return planner.cheapest_path(agent, cost, penalty * float(cost.mean()))
+
+
+def repair(
+    planner: LayeredPlanner,
+    curves: Sequence[FloatArray],
+    rng: np.random.Generator,
+    max_iterations: int,
+    stopped: Callable[[], bool],
+) -> Repaired:
+    """Replan neighbourhoods of `curves` until no pair touches, or a limit is hit."""
+    planner.reset()
+    state = CurveSet(planner)
+    for agent, curve in enumerate(curves):
+        state.put(agent, curve)
+    for agent in planner.movers:
+        planner.add(state.blocks(agent))
+    movable = np.zeros(planner.problem.num_agents, dtype=bool)
+    movable[planner.movers] = True
+    best = state.copy()
+    iterations = 0
+    while state.num_conflicts > 0 and iterations < max_iterations and not stopped():
+        chosen = _neighbourhood(state, movable, rng)
+        if not chosen:
+            break
+        iterations += 1
+        before = state.copy()
+        _replan(planner, state, chosen, rng, stopped)
+        worse = state.num_conflicts - before.num_conflicts
+        if worse > 0 and rng.random() > ACCEPT_WORSE**worse:
+            for agent in chosen:
+                planner.remove(state.blocks(agent))
+                planner.add(before.blocks(agent))
+            state = before
+        elif state.num_conflicts < best.num_conflicts:
+            best = state.copy()
+    pairs = [(int(a), int(b)) for a, b in np.argwhere(np.triu(best.conflicts))]
+    return Repaired(best.all_curves(), best.num_conflicts, iterations, pairs)
+
+
+def _neighbourhood(state: CurveSet, movable: BoolArray, rng: np.random.Generator) -> list[int]:
+    """A touching agent, some that it touches, and some that pass nearby."""
+    touching = np.flatnonzero(state.conflicts.any(axis=1) & movable)
+    if len(touching) == 0:
+        return []
+    first = int(rng.choice(touching))
+    size = int(rng.integers(2, LARGEST_NEIGHBOURHOOD + 1))
+    others = rng.permutation(np.flatnonzero(state.conflicts[first] & movable))
+    chosen = [first, *(int(other) for other in others[: size - 1])]
+    if len(chosen) < size:
+        near = state.nearest(first, 2 * LARGEST_NEIGHBOURHOOD, NEARBY)
+        free = [agent for agent in near if movable[agent] and agent not in chosen]
+        picked = rng.permutation(np.array(free, dtype=np.int64))[: size - len(chosen)]
+        chosen += [int(agent) for agent in picked]
+    return chosen
+
+
+def _replan(
+    planner: LayeredPlanner,
+    state: CurveSet,
+    chosen: list[int],
+    rng: np.random.Generator,
+    stopped: Callable[[], bool],
+) -> None:
+    """Give the `chosen` agents other curves, one after another in random order, unless `stopped`."""
+    old = {agent: state.curves[agent] for agent in chosen}
+    for agent in chosen:
+        planner.remove(state.blocks(agent))
+        state.put(agent, None)
+    penalty = float(rng.choice(PENALTIES))
+    for agent in (int(agent) for agent in rng.permutation(np.array(chosen))):
+        slack = max(int(planner.slack[agent]), 0)
+        hold = int(rng.integers(0, slack // 2 + 2)) if rng.random() < 0.4 else 0
+        path = None if stopped() else planner.path(agent, hold)
+        if path is None and hold > 0 and not stopped():
+            path = planner.path(agent)
+        if path is None and not stopped() and rng.random() < 0.8:
+            path = _least_touching(planner, agent, penalty, rng)
+        curve = old[agent] if path is None else planner.curve(agent, path)
+        state.put(agent, curve)
+        planner.add(state.blocks(agent))

@@ -1,0 +1,314 @@
+"""One problem on one graph and one grid of time layers: plan an agent, reserve or free its rod.
+
+Agents that keep the same distances from everybody share a table of reservations (a class). Searches
+over orders and neighbourhoods are built on this.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.seeding.rod_problem import Requirement, RodProblem
+from stplan.seeding.search.graph import UNREACHABLE, Graph, shortest_way
+from stplan.seeding.search.layered_dijkstra import cheapest_path
+from stplan.seeding.search.reservations import (
+    MEMORY_LIMIT,
+    BlockArray,
+    Reservations,
+    TimeGrid,
+    table_bytes,
+)
+from stplan.seeding.search.safe_interval import SafeIntervalSearch
+
+Blocks = tuple[BlockArray, ...]
+
+# More tables than this are merged: a rod has to be entered in each of them.
+MAX_CLASSES = 16
+LEAST_LAYERS = 16
+MOST_LAYERS = 4000
+# Agents that queue at one place need more layers than the way is long: one by one they pass.
+LAYERS_IN_QUEUE = 10
+SHORT_QUEUE = 4
+NO_BLOCKS: BlockArray = np.empty((0, 3), dtype=np.int32)
+
+
+class Journeys:
+    """Where every agent has to go on a graph, whatever the layers.
+
+    Attributes:
+        start: (A,) vertex.
+        targets: waypoints and goal of every agent as vertices.
+        free: (M,) moves clear of the walls, of every agent.
+        hops: (legs, V) hops still to go on every leg, of every agent.
+        distance: (A,) hops from start to goal, UNREACHABLE where there is no way.
+    """
+
+    def __init__(
+        self, problem: RodProblem, graph: Graph, place_of: IntArray, required: Requirement
+    ) -> None:
+        self.start: list[int] = []
+        self.targets: list[IntArray] = []
+        self.free: list[BoolArray] = []
+        self.hops: list[IntArray] = []
+        masks: dict[float, BoolArray] = {}
+        position = 0
+        for agent, points in enumerate(exact_points(problem)):
+            places = place_of[position : position + len(points)]
+            position += len(points)
+            limit = float(required.walls[agent]) if problem.heeds_walls[agent] else -math.inf
+            if limit not in masks:
+                masks[limit] = graph.free_moves(limit)
+            self.start.append(int(places[0]) if len(places) else 0)
+            self.targets.append(places[1:])
+            self.free.append(masks[limit])
+            self.hops.append(_hops_of_legs(graph, places[1:], masks[limit]))
+        self.distance = np.array(
+            [
+                int(hops[0, start]) if len(hops) else 0
+                for hops, start in zip(self.hops, self.start, strict=True)
+            ],
+            dtype=np.int64,
+        )
+
+    def stranded(self) -> list[int]:
+        """Agents whose start and goal are not connected."""
+        return [int(agent) for agent in np.flatnonzero(self.distance >= UNREACHABLE)]
+
+
+def exact_points(problem: RodProblem) -> list[FloatArray]:
+    """Start, waypoints and goal of every agent, (0, 2) for agents that move as told."""
+    return [
+        np.empty((0, 2))
+        if problem.paths[agent] is not None
+        else np.vstack([problem.starts[agent], problem.waypoints[agent], problem.goals[agent]])
+        for agent in range(problem.num_agents)
+    ]
+
+
+def _hops_of_legs(graph: Graph, targets: IntArray, free: BoolArray) -> IntArray:
+    """(legs, V) hops to the goal through the targets that are left on each leg."""
+    hops = np.empty((len(targets), graph.num_vertices), dtype=np.int64)
+    beyond = 0
+    for leg in range(len(targets) - 1, -1, -1):
+        near = graph.hops_to(int(targets[leg]), free)
+        hops[leg] = np.minimum(near + beyond, UNREACHABLE)
+        if leg > 0:
+            beyond = int(hops[leg, targets[leg - 1]])
+    return hops
+
+
+def classes(problem: RodProblem, required: Requirement) -> tuple[IntArray, FloatArray]:
+    """Class of every agent (A,), and (K, A) the distance a class keeps from every agent's rod.
+
+    A class keeps the least of what its members have to keep (they differ at most in how their
+    fixed ends clip the margin); 0 where there is nothing to keep. Too many classes are merged by
+    radius, and then keep the most.
+    """
+    keys: dict[bytes, int] = {}
+    class_of = np.empty(problem.num_agents, dtype=np.int64)
+    for agent in range(problem.num_agents):
+        row = np.where(problem.collides[agent], problem.distance[agent], 0.0)
+        row[agent] = 2.0 * problem.radii[agent]
+        class_of[agent] = keys.setdefault(row.tobytes(), len(keys))
+    kept = np.where(problem.collides, required.rods, 0.0)
+    distances = np.empty((len(keys), problem.num_agents))
+    for index in range(len(keys)):
+        rows = kept[class_of == index]
+        members = np.flatnonzero(class_of == index)
+        rows[np.arange(len(members)), members] = np.inf
+        distances[index] = rows.min(axis=0)
+    distances[~np.isfinite(distances)] = 0.0
+    if len(keys) <= MAX_CLASSES:
+        return class_of, distances
+    size = np.array([problem.radii[class_of == index].max() for index in range(len(keys))])
+    rank = np.empty(len(keys), dtype=np.int64)
+    rank[np.argsort(size, kind="stable")] = np.arange(len(keys)) * MAX_CLASSES // len(keys)
+    merged = np.zeros((MAX_CLASSES, problem.num_agents))
+    for index, other in enumerate(rank):
+        merged[other] = np.maximum(merged[other], distances[index])
+    return rank[class_of], merged
+
+
+class LayeredPlanner:
+    """Plans agents one at a time among the rods reserved so far.
+
+    Attributes:
+        required: the distances that planned curves hold, from rods and from walls.
+        grid: time layers.
+        first, last: (A,) layers of departure and of latest arrival.
+        slack: (A,) layers an agent can lose on its shortest way, < 0 if it cannot make it.
+        movers: agents that are planned (not `path` agents), in scene order.
+    """
+
+    def __init__(
+        self,
+        problem: RodProblem,
+        graph: Graph,
+        journeys: Journeys,
+        required: Requirement,
+        layers: int,
+    ) -> None:
+        self.problem = problem
+        self.graph = graph
+        self.journeys = journeys
+        self.class_of, self.class_distance = classes(problem, required)
+        kept = self.class_distance[self.class_of]
+        self.required = Requirement(np.minimum(kept, kept.T), required.walls)
+        self.movers = [int(agent) for agent in np.flatnonzero(~problem.fixed)]
+        begin = float(problem.start_times.min())
+        end = float(problem.max_times.max())
+        layers = min(layers, most_layers(graph, len(self.class_distance)))
+        self.grid = TimeGrid(begin, (end - begin) / layers, layers, problem.time_scale)
+        self.first = np.ceil((problem.start_times - begin) / self.grid.step - 1e-9).astype(int)
+        self.last = np.floor((problem.max_times - begin) / self.grid.step + 1e-9).astype(int)
+        self.last = np.minimum(self.last, layers)
+        self.slack = self.last - self.first - journeys.distance
+        self.reservations = Reservations(graph, self.grid, len(self.class_distance))
+        self.search = SafeIntervalSearch(graph)
+        self._fixed = [
+            (agent, self.blocks(agent, path))
+            for agent, path in enumerate(problem.paths)
+            if path is not None
+        ]
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all rods but those of agents that move as told."""
+        self.reservations.clear()
+        for _, blocks in self._fixed:
+            self.add(blocks)
+
+    def path(self, agent: int, departure: int = 0) -> IntArray | None:
+        """Vertices at the layers from ``first[agent]`` to the earliest arrival, or None.
+
+        `departure`: layers the agent is held at its start.
+        """
+        first, last = int(self.first[agent]), int(self.last[agent])
+        if first > last:
+            return None
+        table = self.reservations.tables[self.class_of[agent]]
+        # A start between layers waits for the next one; its wait is checked as a whole layer.
+        early = self.problem.start_times[agent] < self.grid.instant(first) - 1e-9 * self.grid.step
+        if early and first > 0 and table[self.journeys.start[agent], first - 1] > 0:
+            return None
+        return self.search.path(
+            self.journeys.start[agent],
+            self.journeys.targets[agent],
+            self.journeys.hops[agent],
+            self.journeys.free[agent],
+            table,
+            first_layer=first,
+            last_layer=last,
+            departure=first + departure,
+            stays=bool(self.problem.stays[agent]),
+        )
+
+    def cheapest_path(self, agent: int, cost: FloatArray, penalty: float) -> IntArray | None:
+        """Like `path`, of least `cost` (M,), passing through rods at a `penalty` each."""
+        return cheapest_path(
+            self.graph,
+            self.journeys.start[agent],
+            self.journeys.targets[agent],
+            self.journeys.hops[agent],
+            self.journeys.free[agent],
+            self.reservations.tables[self.class_of[agent]],
+            cost,
+            first_layer=int(self.first[agent]),
+            last_layer=int(self.last[agent]),
+            penalty=penalty,
+            stays=bool(self.problem.stays[agent]),
+        )
+
+    def curve(self, agent: int, path: IntArray) -> FloatArray:
+        """The world line (n, 3) of a path, waits joined to one segment."""
+        problem = self.problem
+        first = int(self.first[agent])
+        times = self.grid.begin + (first + np.arange(len(path))) * self.grid.step
+        # Rounding must not carry an arrival past the limit.
+        times = np.minimum(times, problem.max_times[agent])
+        knots = np.column_stack([self.graph.vertices[path], times])
+        inner = np.ones(len(path), dtype=bool)
+        inner[1:-1] = (path[1:-1] != path[:-2]) | (path[1:-1] != path[2:])
+        knots = knots[inner]
+        start_time = problem.start_times[agent]
+        if knots[0, 2] - start_time > 1e-9 * self.grid.step:
+            waits = len(path) > 1 and path[0] == path[1]
+            knots = np.vstack([[*knots[0, :2], start_time], knots[1:] if waits else knots])
+        knots[0] = [*problem.starts[agent], start_time]
+        if len(knots) == 1:
+            # On its goal already: a rod needs a length, however short.
+            later = min(start_time + self.grid.step, float(problem.max_times[agent]))
+            knots = np.vstack([knots, [*knots[0, :2], later]])
+        knots[-1, :2] = problem.goals[agent]
+        return np.ascontiguousarray(knots)
+
+    def blocks(self, agent: int, curve: FloatArray) -> Blocks:
+        """What the rod of `curve`, its tail included, blocks for every class."""
+        return self._blocks(agent, self.problem.rod(agent, curve))
+
+    def guard(self, agent: int, layers: int) -> Blocks:
+        """What standing at the start for the first `layers` blocks for every class."""
+        problem = self.problem
+        start = [*problem.starts[agent], problem.time_scale * problem.start_times[agent]]
+        until = [start[0], start[1], start[2] + layers * self.grid.height]
+        return self._blocks(agent, np.array([start, until]))
+
+    def _blocks(self, agent: int, rod: FloatArray) -> Blocks:
+        return tuple(
+            self.reservations.blocks(rod, float(distance)) if distance > 0 else NO_BLOCKS
+            for distance in self.class_distance[:, agent]
+        )
+
+    def add(self, blocks: Blocks) -> None:
+        """Reserve `blocks`."""
+        for index, found in enumerate(blocks):
+            self.reservations.add(index, found)
+
+    def remove(self, blocks: Blocks) -> None:
+        """Take back an `add`."""
+        for index, found in enumerate(blocks):
+            self.reservations.remove(index, found)
+
+    def too_late(self) -> list[int]:
+        """Agents that would be late even alone, on these layers."""
+        return [agent for agent in self.movers if self.slack[agent] < 0]
+
+
+def most_layers(graph: Graph, num_classes: int) -> int:
+    """How many layers fit in memory."""
+    return max(2, min(MOST_LAYERS, MEMORY_LIMIT // (table_bytes(graph, 1) * num_classes)))
+
+
+def automatic_layers(problem: RodProblem, graph: Graph, journeys: Journeys) -> int:
+    """Twice the hops of the longest way, and some for each agent that has to queue.
+
+    Ways are counted where the time for them is shortest. The queue is that of the place which most
+    shortest ways pass.
+    """
+    span = float(problem.max_times.max() - problem.start_times.min())
+    movers = np.flatnonzero(~problem.fixed)
+    windows = (problem.max_times - problem.start_times)[movers]
+    needed = 2.0 * journeys.distance[movers] * span / windows
+    queue = busiest_place(problem, graph, journeys)
+    longest = max(LEAST_LAYERS, math.ceil(float(needed.max(initial=0.0))))
+    return longest + LAYERS_IN_QUEUE * max(queue - SHORT_QUEUE, 0)
+
+
+def busiest_place(problem: RodProblem, graph: Graph, journeys: Journeys) -> int:
+    """How many agents' shortest ways come through the busiest square of two radii."""
+    cell = 2.0 * float(problem.radii.min())
+    squares = np.floor(graph.vertices / cell).astype(np.int64)
+    _, square_of = np.unique(squares, axis=0, return_inverse=True)
+    square_of = np.ravel(square_of).astype(np.int64)
+    visits = np.zeros(int(square_of.max()) + 1, dtype=np.int64)
+    for agent in np.flatnonzero(~problem.fixed):
+        if journeys.distance[agent] < UNREACHABLE:
+            way = shortest_way(
+                journeys.start[agent], journeys.targets[agent], journeys.hops[agent],
+                journeys.free[agent], graph.out_offsets, graph.out_moves, graph.move_to,
+            )  # fmt: skip
+            visits[np.unique(square_of[way])] += 1
+    return int(visits.max())

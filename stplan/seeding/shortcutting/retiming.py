@@ -1,0 +1,128 @@
+"""Compiled choice of knots of even durations along clear curves, in (x, y, c t)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.compiled import kernel
+from stplan.seeding.shortcutting.rod_field import RodField, enter, segment_clear
+
+# Candidates lie this far apart in time, as a part of the mean duration.
+SPACING = 0.25
+# A segment shorter than this part of the mean may be replaced by the corner of its neighbours.
+SHORT = 0.6
+
+
+@kernel
+def even_knots(
+    field: RodField, agent: int, num_knots: int, shortest: float, longest: float
+) -> bool:
+    """Give a curve exactly `num_knots` knots of even durations, if that can be done clear.
+
+    Knots are chosen among the candidates, at durations between `shortest` and `longest` times the
+    mean, by dynamic programming on the sum of squared deviations from the mean; chords that are no
+    piece of the old curve are asked for clearance. Knots on waypoints stay. Returns whether there
+    was a way; without one the curve is left as it is.
+    """
+    mean = (field.knots[agent, field.counts[agent] - 1, 2] - field.knots[agent, 0, 2]) / (
+        num_knots - 1
+    )
+    points, leaves, reaches, fixed = _candidates(field, agent, mean)
+    count = len(points)
+    cost = np.full((count, num_knots), np.inf)
+    previous = np.full((count, num_knots), -1)
+    reached = np.zeros(count, np.bool_)
+    cost[0, 0] = 0.0
+    reached[0] = True
+    for j in range(1, count):
+        i = j - 1
+        while i >= 0 and points[j, 2] - points[i, 2] <= longest * mean:
+            duration = (points[j, 2] - points[i, 2]) / mean
+            # On one segment of the old curve a chord is clear as it is.
+            if (
+                reached[i]
+                and duration >= shortest
+                and (reaches[j] <= leaves[i] or segment_clear(field, agent, points[i], points[j]))
+            ):
+                reached[j] = True
+                # Numbers of knots that durations allow before and after candidate i.
+                early = (points[i, 2] - points[0, 2]) / mean
+                late = (points[count - 1, 2] - points[i, 2]) / mean
+                least = max(early / longest, num_knots - 1 - late / shortest)
+                most = min(early / shortest, num_knots - 1 - late / longest)
+                for k in range(max(int(least) - 1, 0), min(int(most) + 2, num_knots - 1)):
+                    total = cost[i, k] + (duration - 1.0) ** 2
+                    if total < cost[j, k + 1]:
+                        cost[j, k + 1] = total
+                        previous[j, k + 1] = i
+            if fixed[i]:
+                break
+            i -= 1
+    if not np.isfinite(cost[count - 1, num_knots - 1]):
+        return False
+    j = count - 1
+    for k in range(num_knots - 1, -1, -1):
+        field.knots[agent, k] = points[j]
+        field.pinned[agent, k] = fixed[j]
+        if k > 0:
+            enter(field, agent, points[previous[j, k]], points[j])
+            j = previous[j, k]
+    field.counts[agent] = num_knots
+    return True
+
+
+@kernel
+def _candidates(
+    field: RodField, agent: int, mean: float
+) -> tuple[FloatArray, IntArray, IntArray, BoolArray]:
+    """Places for knots, in order of time: the old ones, points between, corners cut short.
+
+    Returns points (N, 3); the segments of the old curve that a point leaves and reaches (N,), so
+    that a chord from i to j lies on the curve if reaches[j] <= leaves[i]; and waypoint flags (N,).
+    """
+    knots = field.knots[agent]
+    count = field.counts[agent]
+    parts = np.empty(count - 1, np.int64)
+    total = 1
+    for i in range(count - 1):
+        parts[i] = max(int(np.round((knots[i + 1, 2] - knots[i, 2]) / (SPACING * mean))), 1)
+        total += parts[i] + 3
+    points = np.empty((total, 3))
+    leaves = np.empty(total, np.int64)
+    reaches = np.empty(total, np.int64)
+    fixed = np.zeros(total, np.bool_)
+    at = 0
+    for i in range(count - 1):
+        short = knots[i + 1, 2] - knots[i, 2] < SHORT * mean
+        corner = 0 < i < count - 2 and short
+        for k in range(1 if corner else parts[i]):
+            for x in range(3):
+                points[at, x] = knots[i, x] + (knots[i + 1, x] - knots[i, x]) * (k / parts[i])
+            leaves[at] = i
+            reaches[at] = i if k > 0 else i - 1
+            fixed[at] = k == 0 and field.pinned[agent, i]
+            at += 1
+        if corner:
+            _corners(knots, i, points[at : at + 3])
+            # Off the curve: no chord from or to them counts as clear unasked.
+            leaves[at : at + 3] = -1
+            reaches[at : at + 3] = count
+            at += 3
+    points[at] = knots[count - 1]
+    leaves[at] = count - 1
+    reaches[at] = count - 2
+    return points[: at + 1], leaves, reaches, fixed
+
+
+@kernel
+def _corners(knots: FloatArray, i: int, points: FloatArray) -> None:
+    """Half-way in time on segment i: its neighbours prolonged, and the middle of the two."""
+    middle = 0.5 * (knots[i, 2] + knots[i + 1, 2])
+    before = (middle - knots[i - 1, 2]) / (knots[i, 2] - knots[i - 1, 2])
+    after = (middle - knots[i + 1, 2]) / (knots[i + 2, 2] - knots[i + 1, 2])
+    for x in range(2):
+        points[0, x] = knots[i - 1, x] + before * (knots[i, x] - knots[i - 1, x])
+        points[1, x] = knots[i + 1, x] + after * (knots[i + 2, x] - knots[i + 1, x])
+        points[2, x] = 0.5 * (points[0, x] + points[1, x])
+    points[:, 2] = middle

@@ -1,0 +1,192 @@
+"""Polish: clear curves made cheaper and even, every step of it proven clear.
+
+First everything is stretched in time towards the preferred arrivals (a uniform stretch never
+brings rods closer), then shortcuts, moved knots and later arrivals lower the kinetic cost, and last
+the curves get knots of even durations: very uneven ones would stall the optimiser.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from stplan.arrays import FloatArray
+from stplan.seeding.rod_problem import Requirement, RodProblem, held_requirement, verify
+from stplan.seeding.shortcutting.resampling import resample_curve
+from stplan.seeding.shortcutting.retiming import even_knots
+from stplan.seeding.shortcutting.rod_field import build_field
+from stplan.seeding.shortcutting.shortcut_kernels import polish_round
+
+# Knots an agent gets by default: enough for the bends of its polished curve.
+LEAST_KNOTS = 30
+MOST_KNOTS = 100
+KNOTS_PER_BEND = 2
+# Durations allowed, as parts of the mean: evened out as far as the bends permit.
+EVENNESS = ((0.5, 2.0), (0.42, 2.5), (0.3, 3.0), (0.15, 5.0), (0.05, 10.0))
+# Rounds of polish at most, each one as long as the last lowered the kinetic cost by this part.
+MOST_ROUNDS = 8
+WORTHWHILE = 0.005
+# Random shortcuts tried for every agent in every round; more only leave more knots behind.
+TRIES = 20
+# Evening out may use up this part of the clearance over R: on a curve pulled taut against its
+# requirement no knot could move.
+SLACK = 0.2
+
+
+def prepare_seed(
+    problem: RodProblem,
+    curves: Sequence[FloatArray],
+    num_knots: int | None = None,
+    margin: float = 1.05,
+    rng_seed: int = 0,
+    check: Callable[[], None] = lambda: None,
+) -> list[FloatArray]:
+    """`curves` polished and evened out, with `num_knots` knots an agent (None follows the bends).
+
+    The curves have to be clear. They are polished up to `held_requirement` of the margin, and
+    `SLACK` of what that asks over R may go into evening out. Given paths stay as they are. A curve
+    may keep more knots than asked for where its bends cannot be had with fewer. `check` is called
+    now and then; what it raises ends the work.
+    """
+    required = held_requirement(problem, curves, margin)
+    polished = polish(problem, curves, required=required, rng_seed=rng_seed, check=check)
+    eased = Requirement(
+        problem.distance + (1.0 - SLACK) * (required.rods - problem.distance),
+        problem.radii + (1.0 - SLACK) * (required.walls - problem.radii),
+    )
+    evened = even_out(problem, polished, num_knots, required=eased, check=check)
+    if not verify(problem, evened, eased):
+        return evened
+    # Only rounding could bring us here; the curves as they came are still clear.
+    return resample(problem, curves, num_knots)
+
+
+def polish(
+    problem: RodProblem,
+    curves: Sequence[FloatArray],
+    *,
+    margin: float = 1.05,
+    rng_seed: int = 0,
+    rounds: int = MOST_ROUNDS,
+    required: Requirement | None = None,
+    check: Callable[[], None] = lambda: None,
+) -> list[FloatArray]:
+    """Cheaper curves than the clear `curves`, with few knots and as clear as they have to be.
+
+    `required` defaults to `held_requirement` of the curves and the margin.
+    """
+    kept = held_requirement(problem, curves, margin) if required is None else required
+    rng = np.random.default_rng(rng_seed)
+    current = stretch(problem, curves, kept)
+    movable = np.flatnonzero(~problem.fixed)
+    cost = kinetic_cost(problem, current)
+    for turn in range(rounds):
+        check()
+        field = build_field(problem, current, kept)
+        polish_round(
+            field,
+            movable if turn % 2 == 0 else movable[::-1].copy(),
+            rng.random((problem.num_agents, TRIES, 2)),
+            problem.time_scale * problem.preferred_times,
+        )
+        current = [field.curve(problem, agent) for agent in range(problem.num_agents)]
+        before, cost = cost, kinetic_cost(problem, current)
+        if before - cost <= WORTHWHILE * before:
+            break
+    return current
+
+
+def kinetic_cost(problem: RodProblem, curves: Sequence[FloatArray]) -> float:
+    """Sum over agents and segments of 1/2 m |dx|^2 / dt, J."""
+    total = 0.0
+    for mass, curve in zip(problem.masses.tolist(), curves, strict=True):
+        step = np.diff(curve, axis=0)
+        total += 0.5 * mass * float(((step[:, :2] ** 2).sum(axis=1) / step[:, 2]).sum())
+    return total
+
+
+def stretch(
+    problem: RodProblem, curves: Sequence[FloatArray], required: Requirement
+) -> list[FloatArray]:
+    """The curves slowed down towards their preferred arrivals, as far as that is proven clear.
+
+    All agents share one factor, which cannot bring rods closer where all start together; then each
+    its own. Given paths, unequal starts and tails are why it is proven and not taken for granted.
+    """
+    current = [np.array(curve) for curve in curves]
+    movable = np.flatnonzero(~problem.fixed)
+    if not len(movable):
+        return current
+    lasts = np.array([current[agent][-1, 2] for agent in movable])
+    begins = problem.start_times[movable]
+    own = np.maximum(
+        (problem.preferred_times[movable] - begins) / np.maximum(lasts - begins, 1e-300), 1.0
+    )
+    shared = np.full(len(own), own.min())
+    for factors in (own, shared, 1.0 + 0.5 * (shared - 1.0), 1.0 + 0.25 * (shared - 1.0)):
+        if factors.max() <= 1.0 + 1e-9:
+            continue
+        slower = list(current)
+        for agent, factor in zip(movable, factors, strict=True):
+            slower[agent] = _stretched(problem, int(agent), current[agent], float(factor))
+        if not verify(problem, slower, required):
+            return slower
+    return current
+
+
+def _stretched(problem: RodProblem, agent: int, curve: FloatArray, factor: float) -> FloatArray:
+    """One curve slowed down by `factor` from its start on."""
+    begin, preferred = problem.start_times[agent], problem.preferred_times[agent]
+    result = curve.copy()
+    result[:, 2] = begin + factor * (curve[:, 2] - begin)
+    result[0, 2] = begin
+    if abs(result[-1, 2] - preferred) <= 1e-9 * abs(preferred):
+        result[-1, 2] = preferred
+    return result
+
+
+def resample(
+    problem: RodProblem, curves: Sequence[FloatArray], num_knots: int | None = None
+) -> list[FloatArray]:
+    """The same curves with `num_knots` knots each (None follows the bends), given paths as is."""
+    return [
+        curve.copy() if path is not None else resample_curve(curve, num_knots or _auto_knots(curve))
+        for curve, path in zip(curves, problem.paths, strict=True)
+    ]
+
+
+def even_out(
+    problem: RodProblem,
+    curves: Sequence[FloatArray],
+    num_knots: int | None = None,
+    *,
+    margin: float = 1.05,
+    required: Requirement | None = None,
+    check: Callable[[], None] = lambda: None,
+) -> list[FloatArray]:
+    """Clear curves with exactly `num_knots` knots of about equal durations, still clear.
+
+    Every duration is at least half the mean where the bends permit, less where they do not; where
+    nothing helps all old knots stay and new ones go between them.
+    """
+    kept = held_requirement(problem, curves, margin) if required is None else required
+    wanted = [num_knots or _auto_knots(curve) for curve in curves]
+    field = build_field(problem, curves, kept, room=max(wanted))
+    result = []
+    for agent, path in enumerate(problem.paths):
+        check()
+        evened = path is None and any(
+            even_knots(field, agent, wanted[agent], shortest, longest)
+            for shortest, longest in EVENNESS
+        )
+        curve = field.curve(problem, agent)
+        if path is None and not evened:
+            curve = resample_curve(curve, wanted[agent])
+        result.append(curve)
+    return result
+
+
+def _auto_knots(curve: FloatArray) -> int:
+    """Enough knots for the bends of a polished curve."""
+    return int(np.clip(KNOTS_PER_BEND * len(curve) + 16, LEAST_KNOTS, MOST_KNOTS))

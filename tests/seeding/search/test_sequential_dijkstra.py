@@ -1,0 +1,86 @@
+"""Sequential Dijkstra on the seeding mesh, as in the paper."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from stplan.scene.model import Scene
+from stplan.seeding.rod_problem import RodProblem, verify
+from stplan.seeding.search.schedule import SearchResult
+from stplan.seeding.search.sequential_dijkstra import dijkstra_curves
+from stplan.world import build_free_space, build_seeding_mesh
+from tests.seeding import tight_families as families
+
+
+def dijkstra(scene: Scene) -> tuple[RodProblem, SearchResult]:
+    free_space = build_free_space(scene)
+    problem = RodProblem.from_scene(scene, free_space)
+    mesh = build_seeding_mesh(scene, free_space)
+    return problem, dijkstra_curves(problem, free_space, mesh, settings=scene.seeding)
+
+
+def circle(count: int) -> Scene:
+    angle = 2 * np.pi * np.arange(count) / count
+    ends = 4.0 * np.column_stack([np.cos(angle), np.sin(angle)])
+    journeys = [(tuple(end), tuple(-end)) for end in ends]
+    return families.make_scene("circle", None, [], journeys, horizon=40.0)
+
+
+def test_agents_change_places_across_a_circle() -> None:
+    problem, result = dijkstra(circle(6))
+    assert result.part == "dijkstra"
+    assert result.curves is not None
+    assert verify(problem, result.curves) == []
+
+
+def test_the_first_agent_takes_the_shortest_way_of_the_mesh() -> None:
+    problem, result = dijkstra(circle(4))
+    assert result.curves is not None
+    length = np.hypot(*np.diff(result.curves[0][:, :2], axis=0).T).sum()
+    assert length < 1.2 * np.hypot(*(problem.goals[0] - problem.starts[0]))
+
+
+def test_pillars_are_passed() -> None:
+    problem, result = dijkstra(families.pillars(np.random.default_rng(4), agents=16))
+    assert result.curves is not None
+    assert verify(problem, result.curves) == []
+
+
+def test_waypoints_and_walls_are_heeded() -> None:
+    scene = families.make_scene(
+        "room",
+        families.rectangle(0, 0, 8, 6),
+        [families.rectangle(3, 2, 5, 4)],
+        [((1.0, 3.0), (7.0, 3.0)), ((7.0, 5.0), (1.0, 5.0))],
+        horizon=40.0,
+    )
+    agents = (replace(scene.agents[0], waypoints=((4.0, 5.0), (4.0, 1.0))), scene.agents[1])
+    problem, result = dijkstra(replace(scene, agents=agents))
+    assert result.curves is not None
+    assert verify(problem, result.curves) == []
+
+
+def test_the_same_scene_gives_the_same_bytes() -> None:
+    first, second = (dijkstra(circle(5))[1].curves for _ in range(2))
+    assert first is not None
+    assert second is not None
+    assert all(a.tobytes() == b.tobytes() for a, b in zip(first, second, strict=True))
+
+
+def test_a_swap_that_no_order_solves_is_reported() -> None:
+    lane = families.rectangle(0, 0, 6, 0.8)
+    journeys = [((1.0, 0.4), (5.0, 0.4)), ((5.0, 0.4), (1.0, 0.4))]
+    _, result = dijkstra(families.make_scene("lane", lane, [], journeys, horizon=20.0))
+    assert result.curves is None
+    assert {reason.kind for reason in result.diagnosis} == {"order"}
+    assert {reason.agents[0] for reason in result.diagnosis} <= {0, 1}
+
+
+def test_too_few_layers_are_reported() -> None:
+    scene = circle(4)
+    scene = replace(scene, seeding=replace(scene.seeding, layers=2))
+    _, result = dijkstra(scene)
+    assert result.curves is None
+    assert {reason.kind for reason in result.diagnosis} == {"layers"}

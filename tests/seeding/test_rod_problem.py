@@ -1,0 +1,262 @@
+"""Rod distances and the proof of clearance against brute force."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+
+from stplan.arrays import FloatArray
+from stplan.geometry.segments import squared_distance
+from stplan.scene.model import PairRule, Weights
+from stplan.seeding.elastic_bands.band_neighbours import near_rows
+from stplan.seeding.rod_kernels import rod_distance
+from stplan.seeding.rod_problem import (
+    RodProblem,
+    crosses_boundary,
+    held_requirement,
+    requirement,
+    rod_clearances,
+    verify,
+    wall_clearance,
+)
+from stplan.seeding.shortcutting.rod_field import build_field, segment_clear
+from stplan.world import FreeSpace
+from tests.seeding.families import agent, scene
+
+
+def random_curve(rng: np.random.Generator, count: int, extent: float = 10.0) -> FloatArray:
+    """A curve with uneven times from 0 to 20 s."""
+    times = np.sort(rng.uniform(0.0, 20.0, count))
+    times[0], times[-1] = 0.0, 20.0
+    return np.column_stack([rng.uniform(0.0, extent, (count, 2)), times])
+
+
+def random_problem(
+    rng: np.random.Generator, count: int, **changes: object
+) -> tuple[RodProblem, list[FloatArray]]:
+    """A problem of `count` agents with unequal radii, and curves that fit its ends."""
+    curves = [random_curve(rng, int(rng.integers(2, 8))) for _ in range(count)]
+    agents = [
+        agent(
+            f"a{k}",
+            curve[0, :2],
+            curve[-1, :2],
+            radius=float(rng.uniform(0.1, 0.4)),
+            **changes,
+        )
+        for k, curve in enumerate(curves)
+    ]
+    return RodProblem.from_scene(scene(agents, horizon=25.0, time_scale=0.7), None), curves
+
+
+def room(*holes: shapely.Polygon) -> FreeSpace:
+    """A square room of side 10 m with obstacles."""
+    return FreeSpace.from_polygon(
+        shapely.box(0, 0, 10, 10).difference(shapely.unary_union(list(holes)))
+    )
+
+
+def brute_distance(first: FloatArray, second: FloatArray) -> float:
+    """Over all pairs of segments."""
+    return min(
+        float(np.sqrt(squared_distance(*first[i], *first[i + 1], *second[j], *second[j + 1])))
+        for i in range(len(first) - 1)
+        for j in range(len(second) - 1)
+    )
+
+
+def test_rod_distance_equals_all_pairs_of_segments() -> None:
+    rng = np.random.default_rng(0)
+    for _ in range(100):
+        first, second = random_curve(rng, 6), random_curve(rng, 9)
+        second[:, 2] += rng.uniform(-15.0, 15.0)
+        expected = brute_distance(first, second)
+        assert rod_distance(first, second, 50.0) == pytest.approx(expected)
+        assert rod_distance(first, second, 1.0) == pytest.approx(min(expected, 1.0))
+
+
+def test_rod_clearances_find_every_near_pair() -> None:
+    rng = np.random.default_rng(1)
+    problem, curves = random_problem(rng, 12)
+    found = rod_clearances(problem, curves, reach=3.0)
+    near = {(a, b): gap for (a, b), gap in zip(found.pairs.tolist(), found.distance, strict=True)}
+    ratios = []
+    for a in range(12):
+        for b in range(a + 1, 12):
+            gap = brute_distance(problem.rod(a, curves[a]), problem.rod(b, curves[b]))
+            ratios.append(gap / problem.distance[a, b])
+            assert ((a, b) in near) == (gap < 3.0 * problem.distance[a, b])
+            if (a, b) in near:
+                assert near[a, b] == pytest.approx(gap)
+                assert ((a, b) in [pair[:2] for pair in found.violations]) == (ratios[-1] <= 1)
+    assert found.worst == pytest.approx(min(ratios))
+    assert len(near) > 3
+
+
+def test_near_rows_hold_every_near_segment() -> None:
+    rng = np.random.default_rng(2)
+    points = rng.uniform(0.0, 12.0, (80, 3))
+    points[1::2] = points[::2] + rng.normal(size=(40, 3)) * rng.choice([0.3, 2.0, 8.0], (40, 1))
+    segments = np.arange(80).reshape(-1, 2)
+    agents = np.arange(40) // 2
+    collides = rng.random((20, 20)) < 0.7
+    collides &= collides.T
+    np.fill_diagonal(collides, False)
+    reach = rng.uniform(0.5, 2.0, (20, 20))
+    reach = (reach + reach.T) / 2
+    movable = agents != 3
+    for cell in (0.1, 1.0, 30.0):
+        rows, members = near_rows(points, segments, agents, movable, collides, reach, cell)
+        for i in range(40):
+            a = agents[i]
+            expected = {
+                j
+                for j in range(40)
+                if movable[i]
+                and collides[a, agents[j]]
+                and squared_distance(*points[segments[i]].ravel(), *points[segments[j]].ravel())
+                < reach[a, agents[j]] ** 2
+            }
+            assert sorted(expected) == sorted(members[rows[i] : rows[i + 1]].tolist())
+
+
+def test_a_tail_stands_where_a_vanishing_agent_does_not() -> None:
+    here = agent("here", (0, 0), (5, 0), max_time=5.0)
+    late = agent("late", (5, 9), (5, -9), max_time=20.0)
+    curves = [
+        np.array([[0, 0, 0], [5, 0, 5.0]]),
+        np.array([[5, 9, 0], [5, 5, 15.0], [5, -9, 20.0]]),
+    ]
+    staying = RodProblem.from_scene(scene([here, late]), None)
+    assert len(verify(staying, curves)) == 1
+    vanishing = scene([replace(here, after_arrival="vanish"), late])
+    assert verify(RodProblem.from_scene(vanishing, None), curves) == []
+
+
+def test_pairs_that_ignore_each_other_may_meet() -> None:
+    agents = [agent("a", (0, 0), (9, 0)), agent("b", (9, 0), (0, 0))]
+    curves = [np.array([[0, 0, 0], [9, 0, 20.0]]), np.array([[9, 0, 0], [0, 0, 20.0]])]
+    assert verify(RodProblem.from_scene(scene(agents), None), curves)
+    rule = PairRule((0,), (1,), collide=False)
+    assert verify(RodProblem.from_scene(scene(agents, pairs=(rule,)), None), curves) == []
+
+
+def test_the_margin_gives_way_to_fixed_ends() -> None:
+    agents = [
+        agent("a", (0, 0), (9, 0)),
+        agent("b", (0, 1.02), (9, 3)),
+        agent("c", (0, 5), (9, 1.01)),
+        agent("d", (30, 5), (39, 5)),
+    ]
+    wanted = requirement(RodProblem.from_scene(scene(agents), None), 1.05).rods
+    assert wanted[0, 1] == wanted[1, 0] == pytest.approx(1.01)
+    assert wanted[0, 2] == pytest.approx(1.005)
+    assert wanted[0, 3] == wanted[1, 2] == pytest.approx(1.05)
+    standing = requirement(RodProblem.from_scene(scene(agents), None), 1.0).rods
+    assert standing == pytest.approx(np.ones((4, 4)))
+
+
+def test_the_margin_gives_way_near_walls() -> None:
+    agents = [agent("a", (0.51, 5), (9, 5)), agent("b", (5, 5), (2, 2))]
+    wanted = requirement(RodProblem.from_scene(scene(agents), room()), 1.05).walls
+    assert wanted == pytest.approx([0.505, 0.525])
+
+
+def test_a_held_requirement_never_asks_for_more_than_the_curves_have() -> None:
+    agents = [agent("a", (0, 0), (9, 0)), agent("b", (0, 5), (9, 5))]
+    curves = [
+        np.array([[0, 0, 0], [5, 0, 9], [9, 0, 20.0]]),
+        np.array([[0, 5, 0], [5, 1.02, 9], [9, 5, 20.0]]),
+    ]
+    problem = RodProblem.from_scene(scene(agents), None)
+    gap = rod_clearances(problem, curves).distance[0]
+    held = held_requirement(problem, curves, 1.05)
+    assert held.rods[0, 1] == pytest.approx(1 + 0.9 * (gap - 1))
+    assert verify(problem, curves, held) == []
+    assert verify(problem, curves, 1.05) != []
+
+
+def test_walls_are_met_on_segments_and_only_by_those_who_heed_them() -> None:
+    pillar = shapely.box(4, 4.9, 6, 5.1)
+    heeding = agent("a", (1, 5), (9, 5))
+    ghost = replace(heeding, id="g", weights=Weights(wall=0.0, collision=0.0))
+    rule = PairRule((0,), (1,), collide=False)
+    problem = RodProblem.from_scene(scene([heeding, ghost], pairs=(rule,)), room(pillar))
+    straight = np.array([[1, 5, 0], [9, 5, 20.0]])
+    around = np.array([[1, 5, 0], [5, 6, 10], [9, 5, 20.0]])
+    detour = np.array([[1, 5, 0], [3, 6, 5], [7, 6, 15], [9, 5, 20.0]])
+    assert crosses_boundary(problem, 0, straight)
+    assert not crosses_boundary(problem, 1, straight)
+    assert not crosses_boundary(problem, 0, around)
+    walls = room(pillar).boundary
+    for curve in (around, detour):
+        expected = shapely.LineString(curve[:, :2]).distance(walls)
+        assert wall_clearance(problem, 0, curve) == pytest.approx(expected)
+    assert wall_clearance(problem, 1, straight) == np.inf
+    assert len(verify(problem, [straight, straight])) == 1
+    assert verify(problem, [detour, straight]) == []
+
+
+def test_verify_names_what_is_wrong() -> None:
+    walker = agent("w", (0, 0), (9, 0), waypoints=((3.0, 1.0), (6.0, 1.0)))
+    told = agent("p", (0, 5), (9, 5), path=((0.0, 5.0, 0.0), (9.0, 5.0, 20.0)))
+    problem = RodProblem.from_scene(scene([walker, told]), None)
+    good = np.array([[0, 0, 0], [3, 1, 5], [6, 1, 10], [9, 0, 20.0]])
+    path = np.array([[0, 5, 0], [4.5, 5, 10], [9, 5, 20.0]])
+    assert verify(problem, [good, path]) == []
+
+    def faults(change: FloatArray | None = None, **edits: object) -> str:
+        curve = good.copy() if change is None else change
+        for place, value in edits.items():
+            row, column = place[1:].split("_")
+            curve[int(row), int(column)] = value
+        return "; ".join(verify(problem, [curve, path]))
+
+    assert "start" in faults(k0_0=1e-12)
+    assert "start" in faults(k0_2=0.5)
+    assert "goal" in faults(k3_1=1e-12)
+    assert "after 20" in faults(k3_2=20.5)
+    assert "time" in faults(k2_2=5.0)
+    assert "waypoint 1" in faults(k1_0=3.1)
+    assert "waypoint 2" in faults(good[[0, 2, 1, 3]] * [1, 1, 0] + good * [0, 0, 1])
+    assert "finite" in faults(k1_1=np.nan)
+    assert "finite" in faults(good[:1])
+    assert "path" in "; ".join(
+        verify(problem, [good, path + np.array([[0, 0, 0], [0, 1, 0], [0, 0, 0]])])
+    )
+    assert "1 curves for 2" in "; ".join(verify(problem, [good]))
+
+
+def test_the_index_answers_like_brute_force() -> None:
+    rng = np.random.default_rng(5)
+    problem, curves = random_problem(rng, 10)
+    wanted = requirement(problem, 1.1)
+    field = build_field(problem, curves, wanted)
+    answers = []
+    for _ in range(400):
+        a = int(rng.integers(10))
+        ends = np.column_stack([rng.uniform(-2, 12, (2, 2)), np.sort(rng.uniform(0, 25, 2))])
+        ends[1] = ends[0] + (ends[1] - ends[0]) * [1, 1, 1] * rng.choice([0.1, 1.0])
+        ends[:, 2] *= problem.time_scale
+        clear = all(
+            brute_distance(ends, problem.rod(b, curves[b])) > wanted.rods[a, b]
+            for b in range(10)
+            if b != a
+        )
+        answers.append(clear)
+        assert segment_clear(field, a, ends[0], ends[1]) == clear
+    assert 50 < sum(answers) < 350
+
+
+def test_the_index_answers_like_brute_force_at_walls() -> None:
+    rng = np.random.default_rng(6)
+    space = room(shapely.Point(5, 5).buffer(2.0), shapely.box(1, 1, 3, 1.2))
+    problem = RodProblem.from_scene(scene([agent("a", (1, 9), (9, 9), radius=0.3)]), space)
+    field = build_field(problem, [np.array([[1, 9, 0], [9, 9, 20.0]])], requirement(problem, 1.0))
+    for _ in range(300):
+        ends = np.column_stack([rng.uniform(0, 10, (2, 2)), [0.0, 20.0]])
+        gap = shapely.LineString(ends[:, :2]).distance(space.boundary)
+        assert segment_clear(field, 0, ends[0], ends[1]) == (gap > 0.3)
