@@ -22,11 +22,11 @@ from stplan.certify.pair_clearance import nearest_moments
 from stplan.certify.wall_clearance import wall_distance
 from stplan.errors import UsageError
 from stplan.planner import seed
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene import load_scene
 from stplan.scene.model import Scene
 from stplan.seeding.elastic_bands.geodesics import geodesic_curves
-from stplan.seeding.rod_problem import RodProblem
 from stplan.world import FreeSpace, build_free_space
 
 NAMES = ("three-symmetric", "three-offset", "circle", "gap", "lane")
@@ -142,7 +142,7 @@ def build_task(scene: Scene) -> Task:
 
 def _ways(scene: Scene, free_space: FreeSpace | None) -> list[FloatArray]:
     """(n, 2) the shortest way of every agent alone."""
-    curves = geodesic_curves(RodProblem.from_scene(scene, free_space), free_space)
+    curves = geodesic_curves(PlanningProblem.from_scene(scene, free_space), free_space)
     return [curve[:, :2] for curve in curves if curve is not None]
 
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from stplan.arrays import FloatArray
 from stplan.explain.explanation import Section
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
 from stplan.seeding.elastic_bands.geodesics import geodesic_curves
-from stplan.seeding.rod_problem import RodProblem
 from stplan.world import FreeSpace
 
 # Longer than alone by more than this share counts.
@@ -43,7 +43,7 @@ def ways_alone(scene: Scene, free_space: FreeSpace | None) -> list[FloatArray | 
 
     None where the walls let it through nowhere.
     """
-    return geodesic_curves(RodProblem.from_scene(scene, free_space), free_space)
+    return geodesic_curves(PlanningProblem.from_scene(scene, free_space), free_space)
 
 
 def detours(scene: Scene, lines: WorldLines, alone: Sequence[FloatArray | None]) -> Section:

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
+from stplan.geometry.rod_distances import rod_distance
 from stplan.geometry.segments import closest_parameters
-from stplan.seeding.rod_kernels import rod_distance
-from stplan.seeding.rod_problem import RodProblem
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.seeding.search.planner import LayeredPlanner, exact_points
 from stplan.world import cut_off_agents, widest_passage
 
@@ -48,7 +48,7 @@ class Reason:
     times: tuple[float, float] | None = None
 
 
-def hopeless(problem: RodProblem, free_space: FreeSpace | None) -> tuple[Reason, ...]:
+def hopeless(problem: PlanningProblem, free_space: FreeSpace | None) -> tuple[Reason, ...]:
     """Proven reasons: ends that touch, goals that cannot be reached."""
     reasons = [*_touching_ends(problem)]
     for agent in not_connected(problem, free_space, problem.radii):
@@ -59,7 +59,7 @@ def hopeless(problem: RodProblem, free_space: FreeSpace | None) -> tuple[Reason,
 
 
 def not_connected(
-    problem: RodProblem, free_space: FreeSpace | None, radii: FloatArray
+    problem: PlanningProblem, free_space: FreeSpace | None, radii: FloatArray
 ) -> list[int]:
     """Agents whose stops lie in different parts of the free space eroded by `radii` (A,)."""
     stops = [
@@ -69,7 +69,7 @@ def not_connected(
     return cut_off_agents(free_space, stops, radii)
 
 
-def _too_narrow(problem: RodProblem, agent: int, free_space: FreeSpace | None) -> str:
+def _too_narrow(problem: PlanningProblem, agent: int, free_space: FreeSpace | None) -> str:
     """By how much the widest passage between the stops of an agent is too narrow for it."""
     name, radius = problem.agent_ids[agent], float(problem.radii[agent])
     stops = exact_points(problem)[agent]
@@ -83,11 +83,11 @@ def _too_narrow(problem: RodProblem, agent: int, free_space: FreeSpace | None) -
     )
 
 
-def _touching_ends(problem: RodProblem) -> list[Reason]:
+def _touching_ends(problem: PlanningProblem) -> list[Reason]:
     """Starts at the same time and goals that are stayed on, closer than R; ends near given paths."""
     scale = np.array([1.0, 1.0, problem.time_scale])
     starts = np.column_stack([problem.starts, problem.start_times]) * scale
-    given = problem.fixed
+    given = problem.prescribed
     start_gaps = _distances(starts)
     near_starts = (start_gaps <= problem.distance) | given[:, None] | given[None]
     goal_gaps = _distances(problem.goals)
@@ -119,7 +119,7 @@ def _distances(points: FloatArray) -> FloatArray:
 
 
 def _beginning_gap(
-    problem: RodProblem, starts: FloatArray, pair: tuple[int, int], limit: float
+    problem: PlanningProblem, starts: FloatArray, pair: tuple[int, int], limit: float
 ) -> float:
     """Distance of what cannot move of two agents' beginnings: start points or given paths; m."""
     rods = []
@@ -130,7 +130,7 @@ def _beginning_gap(
     return rod_distance(rods[0], rods[1], 1.5 * limit)
 
 
-def stranded(problem: RodProblem, agents: Sequence[int], margin: float) -> tuple[Reason, ...]:
+def stranded(problem: PlanningProblem, agents: Sequence[int], margin: float) -> tuple[Reason, ...]:
     """The roadmap of a margin does not connect `agents`."""
     return tuple(
         Reason(
@@ -144,7 +144,7 @@ def stranded(problem: RodProblem, agents: Sequence[int], margin: float) -> tuple
     )
 
 
-def off_mesh(problem: RodProblem, agents: Sequence[int], margin: float) -> tuple[Reason, ...]:
+def off_mesh(problem: PlanningProblem, agents: Sequence[int], margin: float) -> tuple[Reason, ...]:
     """The seeding mesh does not connect `agents`."""
     return tuple(
         Reason(
@@ -158,7 +158,7 @@ def off_mesh(problem: RodProblem, agents: Sequence[int], margin: float) -> tuple
     )
 
 
-def no_order(problem: RodProblem, failures: IntArray) -> tuple[Reason, ...]:
+def no_order(problem: PlanningProblem, failures: IntArray) -> tuple[Reason, ...]:
     """In no order tried did everybody find a way; `failures` (A,) counts who did not."""
     worst = [int(agent) for agent in np.argsort(-failures, kind="stable")[:MOST_PAIRS]]
     return tuple(
@@ -173,7 +173,7 @@ def no_order(problem: RodProblem, failures: IntArray) -> tuple[Reason, ...]:
     )
 
 
-def late(problem: RodProblem, agents: Sequence[int], layers: int) -> tuple[Reason, ...]:
+def late(problem: PlanningProblem, agents: Sequence[int], layers: int) -> tuple[Reason, ...]:
     """`layers` time layers are too few for `agents`."""
     return tuple(
         Reason(
@@ -200,7 +200,7 @@ def no_way_past(planner: LayeredPlanner, group: Sequence[int]) -> tuple[Reason, 
 
 
 def stuck(
-    problem: RodProblem, curves: Sequence[FloatArray], pairs: Sequence[tuple[int, int]]
+    problem: PlanningProblem, curves: Sequence[FloatArray], pairs: Sequence[tuple[int, int]]
 ) -> tuple[Reason, ...]:
     """Where and when the best curves found still touch."""
     reasons = []

@@ -22,6 +22,8 @@ import shapely
 from stplan.arrays import FloatArray
 from stplan.compiled import working_time
 from stplan.errors import SeedingError
+from stplan.problem.clearance import verify, wall_clearance
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene, SeedingSettings
 from stplan.seeding.elastic_bands.geodesics import geodesic_curves
@@ -29,7 +31,6 @@ from stplan.seeding.elastic_bands.relaxation import RelaxationResult, relax
 from stplan.seeding.elastic_bands.tightening import smooth_curves
 from stplan.seeding.infeasibility import hopeless, not_connected
 from stplan.seeding.rendezvous import MeetingPlace, with_meeting_places
-from stplan.seeding.rod_problem import RodProblem, verify, wall_clearance
 from stplan.seeding.search.planner import exact_points
 from stplan.seeding.search.schedule import (
     MOST_EFFORT,
@@ -82,7 +83,7 @@ class _Portfolio:
     """The parts with what they share, and what has been tried so far."""
 
     scene: Scene
-    problem: RodProblem
+    problem: PlanningProblem
     free_space: FreeSpace | None
     progress: Progress
     deadline: float
@@ -181,7 +182,7 @@ def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress)
     """
     limit = scene.seeding.time_limit
     deadline = working_time() + limit
-    problem = RodProblem.from_scene(scene, free_space)
+    problem = PlanningProblem.from_scene(scene, free_space)
     problem, meetings = with_meeting_places(problem, scene, free_space)
     sentences = [reason.sentence for reason in hopeless(problem, free_space)]
     if sentences:
@@ -206,7 +207,7 @@ def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress)
     return Seed(lines, portfolio.found_by, portfolio.record, meetings)
 
 
-def _surroundings(problem: RodProblem, free_space: FreeSpace | None) -> FreeSpace | None:
+def _surroundings(problem: PlanningProblem, free_space: FreeSpace | None) -> FreeSpace | None:
     """The map, or the part of it around the agents where it is far wider than their ways.
 
     A roadmap of the whole would be coarse where agents move, and take long elsewhere.
@@ -278,7 +279,7 @@ def _parts(portfolio: _Portfolio) -> list[Callable[[], None]]:
     ]
 
 
-def _left_touching(problem: RodProblem, stuck: Sequence[tuple[int, int]]) -> str:
+def _left_touching(problem: PlanningProblem, stuck: Sequence[tuple[int, int]]) -> str:
     """What relaxation could not part."""
     if not stuck:
         return "relaxation left agents too near the walls"
@@ -286,7 +287,7 @@ def _left_touching(problem: RodProblem, stuck: Sequence[tuple[int, int]]) -> str
     return f"relaxation left {len(stuck)} pairs touching: {names}"
 
 
-def _straight_ways_are_clear(problem: RodProblem) -> bool:
+def _straight_ways_are_clear(problem: PlanningProblem) -> bool:
     """Whether walls leave every agent its straight way through its waypoints."""
     for agent in range(problem.num_agents):
         stops = np.vstack([problem.starts[agent], problem.waypoints[agent], problem.goals[agent]])

@@ -17,9 +17,9 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from stplan.arrays import FloatArray, IntArray
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.interactions import Meeting, scene_meetings
 from stplan.scene.model import Scene
-from stplan.seeding.rod_problem import RodProblem
 from stplan.seeding.search.roadmap import build_roadmap
 
 if TYPE_CHECKING:
@@ -57,8 +57,8 @@ class _Itinerary:
 
 
 def with_meeting_places(
-    problem: RodProblem, scene: Scene, free_space: FreeSpace | None
-) -> tuple[RodProblem, tuple[MeetingPlace, ...]]:
+    problem: PlanningProblem, scene: Scene, free_space: FreeSpace | None
+) -> tuple[PlanningProblem, tuple[MeetingPlace, ...]]:
     """`problem` with a further waypoint for each agent of a meeting that finds its own way, and where.
 
     Meetings for which there is no good place are left out.
@@ -82,7 +82,7 @@ def with_meeting_places(
 
 
 def _place(
-    problem: RodProblem,
+    problem: PlanningProblem,
     meeting: Meeting,
     itineraries: list[_Itinerary],
     free_space: FreeSpace | None,
@@ -133,7 +133,7 @@ def _at(curve: FloatArray, times: FloatArray) -> FloatArray:
 
 
 def _candidates(
-    problem: RodProblem,
+    problem: PlanningProblem,
     stops: dict[int, FloatArray],
     free_space: FreeSpace | None,
     positions: FloatArray | None,
@@ -186,7 +186,7 @@ def _spread(stops: FloatArray, count: int) -> FloatArray:
 
 
 def _costs(
-    problem: RodProblem,
+    problem: PlanningProblem,
     agent: int,
     own: _Itinerary,
     distances: Distances,
@@ -214,7 +214,7 @@ def _costs(
 
 
 def _beside(
-    problem: RodProblem,
+    problem: PlanningProblem,
     pair: tuple[int, int],
     within: float,
     place: FloatArray,

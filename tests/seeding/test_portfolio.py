@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from stplan.errors import SeedingError
+from stplan.problem.clearance import verify
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene import parse_scene
 from stplan.scene.model import Scene
 from stplan.seeding.elastic_bands.tightening import smooth_curves
 from stplan.seeding.portfolio import Seed, find_seed
-from stplan.seeding.rod_problem import RodProblem, verify
 from stplan.seeding.search.schedule import search_curves
 from stplan.seeding.shortcutting.shortcuts import kinetic_cost, polish
 from stplan.world import build_free_space
@@ -96,7 +97,7 @@ def test_what_search_found_is_relaxed() -> None:
     for draw in range(3):
         scene = door(np.random.default_rng(draw), per_side=4)
         free_space = build_free_space(scene)
-        problem = RodProblem.from_scene(scene, free_space)
+        problem = PlanningProblem.from_scene(scene, free_space)
         found = search_curves(problem, free_space, settings=scene.seeding)
         assert found.curves is not None
         smooth = smooth_curves(problem, found.curves, margin=1.05, rng_seed=0, check=lambda: None)
@@ -109,7 +110,7 @@ def test_what_search_found_is_relaxed() -> None:
 
 def test_what_a_check_raises_ends_the_work() -> None:
     scene = circle(4, 8.0, 20.0)
-    problem = RodProblem.from_scene(scene, None)
+    problem = PlanningProblem.from_scene(scene, None)
     curves = [np.array([[*one.start, 0.0], [*one.goal, 20.0]]) for one in scene.agents]
 
     def check() -> None:

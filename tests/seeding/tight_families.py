@@ -25,7 +25,8 @@ from stplan.bench.families_tight import (
     scattered,
     warehouse,
 )
-from stplan.seeding.rod_problem import RodProblem, verify
+from stplan.problem.clearance import verify
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.seeding.search.schedule import search_curves
 from stplan.world import build_free_space
 
@@ -53,7 +54,7 @@ def measure(family: str, count: int, first_seed: int = 1000) -> str:
     for seed in range(first_seed - 1, first_seed + count):
         scene = FAMILIES[family](np.random.default_rng(seed))
         free_space = build_free_space(scene)
-        problem = RodProblem.from_scene(scene, free_space)
+        problem = PlanningProblem.from_scene(scene, free_space)
         begin = time.process_time()
         result = search_curves(problem, free_space, settings=scene.seeding)
         if seed < first_seed:

@@ -13,8 +13,9 @@ from itertools import pairwise
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.problem.clearance import PLACE_TOLERANCE, crosses_boundary
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.seeding.elastic_bands.block_tridiagonal import FIXED, FREE, PINNED
-from stplan.seeding.rod_problem import PLACE_TOLERANCE, RodProblem, crosses_boundary
 from stplan.seeding.shortcutting.resampling import resample_curve
 
 
@@ -42,10 +43,10 @@ class Strings:
     num_moving: int
 
     @staticmethod
-    def build(problem: RodProblem, curves: Sequence[FloatArray]) -> Strings:
+    def build(problem: PlanningProblem, curves: Sequence[FloatArray]) -> Strings:
         """Strings along `curves`, one an agent; given paths as they are."""
         scale = np.array([1.0, 1.0, problem.time_scale])
-        fixed = problem.fixed
+        fixed = problem.prescribed
         count = np.array([len(curve) for curve in curves], dtype=np.int64)
         first = np.cumsum(count) - count
         tails = np.flatnonzero(problem.stays)
@@ -77,7 +78,7 @@ class Strings:
         begin = self.first_knot[agent]
         return self.positions[begin : begin + self.num_knots[agent]]
 
-    def curves(self, problem: RodProblem) -> list[FloatArray]:
+    def curves(self, problem: PlanningProblem) -> list[FloatArray]:
         """All curves in (x, y, t), ends exact to the last bit."""
         result = []
         for agent, path in enumerate(problem.paths):
@@ -95,12 +96,12 @@ class Strings:
         return result
 
 
-def may_slide(problem: RodProblem) -> BoolArray:
+def may_slide(problem: PlanningProblem) -> BoolArray:
     """(A,) agents whose arrival may move: earlier where the rod ends with it, or both ways."""
-    return ~problem.fixed & (~problem.stays | (problem.preferred_times < problem.max_times))
+    return ~problem.prescribed & (~problem.stays | (problem.preferred_times < problem.max_times))
 
 
-def _hold(problem: RodProblem, agent: int, curve: FloatArray) -> IntArray:
+def _hold(problem: PlanningProblem, agent: int, curve: FloatArray) -> IntArray:
     """What of every knot may move."""
     if problem.paths[agent] is not None:
         return np.full(len(curve), FIXED, dtype=np.int64)
@@ -123,7 +124,7 @@ def waypoint_knots(waypoints: FloatArray, curve: FloatArray) -> IntArray:
     return np.array(found, dtype=np.int64)
 
 
-def straight_curves(problem: RodProblem) -> list[FloatArray]:
+def straight_curves(problem: PlanningProblem) -> list[FloatArray]:
     """Constant speed along straight lines through the waypoints, arriving when preferred."""
     curves = []
     for agent, path in enumerate(problem.paths):
@@ -143,7 +144,7 @@ def straight_curves(problem: RodProblem) -> list[FloatArray]:
 
 
 def initial_curves(
-    problem: RodProblem,
+    problem: PlanningProblem,
     given: Sequence[FloatArray] | None,
     num_knots: int,
     rng: np.random.Generator,
@@ -174,7 +175,7 @@ def _until(curve: FloatArray, arrival: float) -> FloatArray:
     return result
 
 
-def _bent(problem: RodProblem, agent: int, curve: FloatArray, bow: FloatArray) -> FloatArray:
+def _bent(problem: PlanningProblem, agent: int, curve: FloatArray, bow: FloatArray) -> FloatArray:
     """`curve` with a bow of bow[0] and a shift in c t of bow[1] radii on every leg."""
     stops = [0, *waypoint_knots(problem.waypoints[agent], curve).tolist(), len(curve) - 1]
     sideways = np.zeros((len(curve), 2))

@@ -16,8 +16,9 @@ from scipy.sparse.csgraph import dijkstra
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.geometry.boundary_grid import BoundaryGrid
-from stplan.seeding.rod_kernels import grid_arrays, shortest_shortcut
-from stplan.seeding.rod_problem import RodProblem, requirement
+from stplan.geometry.rod_distances import grid_arrays, shortest_shortcut
+from stplan.problem.clearance import requirement
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.seeding.search.graph import Graph
 from stplan.seeding.search.planner import exact_points
 from stplan.seeding.search.roadmap import build_roadmap
@@ -32,7 +33,9 @@ PULLS = 3
 PIECES = 24
 
 
-def geodesic_curves(problem: RodProblem, free_space: FreeSpace | None) -> list[FloatArray | None]:
+def geodesic_curves(
+    problem: PlanningProblem, free_space: FreeSpace | None
+) -> list[FloatArray | None]:
     """One (n, 3) curve an agent from its start time to the time it would like to arrive.
 
     None where an agent's stops are not connected at its radius. Agents that move as told keep
@@ -51,7 +54,7 @@ def geodesic_curves(problem: RodProblem, free_space: FreeSpace | None) -> list[F
     return curves
 
 
-def _geodesics(problem: RodProblem, free_space: FreeSpace | None) -> list[FloatArray | None]:
+def _geodesics(problem: PlanningProblem, free_space: FreeSpace | None) -> list[FloatArray | None]:
     """Plane polylines (n, 2), None where there is no way (or a given path)."""
     stops = exact_points(problem)
     ways: list[FloatArray | None] = [

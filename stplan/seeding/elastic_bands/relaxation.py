@@ -16,10 +16,11 @@ import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.compiled import working_time
+from stplan.problem.clearance import Requirement, requirement, verify, wall_clearance
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.seeding.elastic_bands.band_neighbours import near_rows, tight_pairs
 from stplan.seeding.elastic_bands.bands import Strings, initial_curves, may_slide
 from stplan.seeding.elastic_bands.sweeps import string_crosses, sweep_strings
-from stplan.seeding.rod_problem import Requirement, RodProblem, requirement, verify, wall_clearance
 
 # Springs aim this much beyond what is required, so that they get there in finite time.
 AIM = 1.015
@@ -75,7 +76,7 @@ class RelaxationResult:
 
 
 def relax(
-    problem: RodProblem,
+    problem: PlanningProblem,
     initial: Sequence[FloatArray] | None = None,
     *,
     num_knots: int = 30,
@@ -115,7 +116,7 @@ def relax(
     )
 
 
-def _wanted(problem: RodProblem, curves: Sequence[FloatArray], margin: float) -> Requirement:
+def _wanted(problem: PlanningProblem, curves: Sequence[FloatArray], margin: float) -> Requirement:
     """The requirement, with no more room to walls than half of what the first curves have."""
     required = requirement(problem, margin)
     walls = required.walls.copy()
@@ -132,7 +133,7 @@ class _Relaxation:
 
     def __init__(
         self,
-        problem: RodProblem,
+        problem: PlanningProblem,
         curves: Sequence[FloatArray],
         required: Requirement,
         rng: np.random.Generator,
@@ -142,7 +143,7 @@ class _Relaxation:
         self.rng = rng
         self.strings = Strings.build(problem, curves)
         self.first_positions = self.strings.positions.copy()
-        self.movable = np.flatnonzero(~problem.fixed)
+        self.movable = np.flatnonzero(~problem.prescribed)
         self.rod_target = AIM * required.rods
         heeds = problem.heeds_walls & (problem.boundary is not None)
         self.wall_target = np.where(heeds, AIM * required.walls, 0.0)
@@ -239,7 +240,7 @@ class _Relaxation:
         """Aim at the latest arrival where the preferred one is earlier: its tail is in the way."""
         problem, strings = self.problem, self.strings
         late = problem.preferred_times[agent] < problem.max_times[agent]
-        if not late or not problem.stays[agent] or problem.fixed[agent]:
+        if not late or not problem.stays[agent] or problem.prescribed[agent]:
             return
         knots = strings.knots(agent)
         rise = self.ceilings[agent] - knots[0, 2]
@@ -284,7 +285,7 @@ class _Relaxation:
         tails = strings.positions[strings.segments[:, 1]]
         moving = np.arange(len(strings.segments)) < strings.num_moving
         # Tails are listed too: they push nothing, but may stand in the way of a given path.
-        asking = ~problem.fixed[strings.agents]
+        asking = ~problem.prescribed[strings.agents]
         reach = self.rod_target + self.skin
         extent = np.abs(tails - heads).max(axis=1)
         cell = max(float(np.median(extent)), float(np.median(reach)))

@@ -11,8 +11,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.seeding.elastic_bands.relaxation import relax
-from stplan.seeding.rod_problem import RodProblem
 from stplan.seeding.shortcutting.shortcuts import kinetic_cost, polish
 
 SMOOTHING_KNOTS = 60
@@ -20,7 +20,7 @@ SMOOTHING_SWEEPS = 160
 
 
 def smooth_curves(
-    problem: RodProblem,
+    problem: PlanningProblem,
     curves: Sequence[FloatArray],
     *,
     margin: float,

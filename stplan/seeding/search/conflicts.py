@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray
-from stplan.seeding.rod_kernels import rod_distance
+from stplan.geometry.rod_distances import rod_distance
 from stplan.seeding.search.planner import NO_BLOCKS, Blocks, LayeredPlanner
 
 # Rods that are exactly as far apart as required count as touching, whatever the rounding.

@@ -16,7 +16,7 @@ import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.compiled import kernel
-from stplan.seeding.rod_problem import rod_clearances
+from stplan.problem.clearance import rod_clearances
 from stplan.seeding.search.graph import UNREACHABLE
 from stplan.seeding.search.heap import drop_root, push
 from stplan.seeding.search.planner import LayeredPlanner

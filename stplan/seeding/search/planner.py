@@ -11,7 +11,8 @@ import math
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
-from stplan.seeding.rod_problem import Requirement, RodProblem
+from stplan.problem.clearance import Requirement
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.seeding.search.graph import UNREACHABLE, Graph, shortest_way
 from stplan.seeding.search.layered_dijkstra import cheapest_path
 from stplan.seeding.search.reservations import (
@@ -47,7 +48,7 @@ class Journeys:
     """
 
     def __init__(
-        self, problem: RodProblem, graph: Graph, place_of: IntArray, required: Requirement
+        self, problem: PlanningProblem, graph: Graph, place_of: IntArray, required: Requirement
     ) -> None:
         self.start: list[int] = []
         self.targets: list[IntArray] = []
@@ -78,7 +79,7 @@ class Journeys:
         return [int(agent) for agent in np.flatnonzero(self.distance >= UNREACHABLE)]
 
 
-def exact_points(problem: RodProblem) -> list[FloatArray]:
+def exact_points(problem: PlanningProblem) -> list[FloatArray]:
     """Start, waypoints and goal of every agent, (0, 2) for agents that move as told."""
     return [
         np.empty((0, 2))
@@ -100,7 +101,7 @@ def _hops_of_legs(graph: Graph, targets: IntArray, free: BoolArray) -> IntArray:
     return hops
 
 
-def classes(problem: RodProblem, required: Requirement) -> tuple[IntArray, FloatArray]:
+def classes(problem: PlanningProblem, required: Requirement) -> tuple[IntArray, FloatArray]:
     """Class of every agent (A,), and (K, A) the distance a class keeps from every agent's rod.
 
     A class keeps the least of what its members have to keep (they differ at most in how their
@@ -145,7 +146,7 @@ class LayeredPlanner:
 
     def __init__(
         self,
-        problem: RodProblem,
+        problem: PlanningProblem,
         graph: Graph,
         journeys: Journeys,
         required: Requirement,
@@ -157,7 +158,7 @@ class LayeredPlanner:
         self.class_of, self.class_distance = classes(problem, required)
         kept = self.class_distance[self.class_of]
         self.required = Requirement(np.minimum(kept, kept.T), required.walls)
-        self.movers = [int(agent) for agent in np.flatnonzero(~problem.fixed)]
+        self.movers = [int(agent) for agent in np.flatnonzero(~problem.prescribed)]
         begin = float(problem.start_times.min())
         end = float(problem.max_times.max())
         layers = min(layers, most_layers(graph, len(self.class_distance)))
@@ -282,14 +283,14 @@ def most_layers(graph: Graph, num_classes: int) -> int:
     return max(2, min(MOST_LAYERS, MEMORY_LIMIT // (table_bytes(graph, 1) * num_classes)))
 
 
-def automatic_layers(problem: RodProblem, graph: Graph, journeys: Journeys) -> int:
+def automatic_layers(problem: PlanningProblem, graph: Graph, journeys: Journeys) -> int:
     """Twice the hops of the longest way, and some for each agent that has to queue.
 
     Ways are counted where the time for them is shortest. The queue is that of the place which most
     shortest ways pass.
     """
     span = float(problem.max_times.max() - problem.start_times.min())
-    movers = np.flatnonzero(~problem.fixed)
+    movers = np.flatnonzero(~problem.prescribed)
     windows = (problem.max_times - problem.start_times)[movers]
     needed = 2.0 * journeys.distance[movers] * span / windows
     queue = busiest_place(problem, graph, journeys)
@@ -297,14 +298,14 @@ def automatic_layers(problem: RodProblem, graph: Graph, journeys: Journeys) -> i
     return longest + LAYERS_IN_QUEUE * max(queue - SHORT_QUEUE, 0)
 
 
-def busiest_place(problem: RodProblem, graph: Graph, journeys: Journeys) -> int:
+def busiest_place(problem: PlanningProblem, graph: Graph, journeys: Journeys) -> int:
     """How many agents' shortest ways come through the busiest square of two radii."""
     cell = 2.0 * float(problem.radii.min())
     squares = np.floor(graph.vertices / cell).astype(np.int64)
     _, square_of = np.unique(squares, axis=0, return_inverse=True)
     square_of = np.ravel(square_of).astype(np.int64)
     visits = np.zeros(int(square_of.max()) + 1, dtype=np.int64)
-    for agent in np.flatnonzero(~problem.fixed):
+    for agent in np.flatnonzero(~problem.prescribed):
         if journeys.distance[agent] < UNREACHABLE:
             way = shortest_way(
                 journeys.start[agent], journeys.targets[agent], journeys.hops[agent],

@@ -17,7 +17,7 @@ from scipy.spatial import Delaunay, QhullError, Voronoi, cKDTree
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.geometry.boundary_grid import BoundaryGrid
-from stplan.seeding.rod_kernels import grid_arrays, least_wall_distances
+from stplan.geometry.rod_distances import grid_arrays, least_wall_distances
 from stplan.seeding.search.graph import Graph, make_graph
 
 if TYPE_CHECKING:

@@ -17,6 +17,8 @@ import numpy as np
 
 from stplan.arrays import FloatArray
 from stplan.compiled import working_time
+from stplan.problem.clearance import Requirement, held_requirement, requirement, verify
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.model import SeedingSettings
 from stplan.seeding.infeasibility import (
     Reason,
@@ -26,13 +28,6 @@ from stplan.seeding.infeasibility import (
     not_connected,
     stranded,
     stuck,
-)
-from stplan.seeding.rod_problem import (
-    Requirement,
-    RodProblem,
-    held_requirement,
-    requirement,
-    verify,
 )
 from stplan.seeding.search.joint import MOST_AGENTS, plan_jointly
 from stplan.seeding.search.large_neighbourhood import first_curves, repair
@@ -96,13 +91,13 @@ class _Level:
     """Everything that depends on the margin alone."""
 
     def __init__(
-        self, problem: RodProblem, free_space: FreeSpace | None, margin: float, refine: float
+        self, problem: PlanningProblem, free_space: FreeSpace | None, margin: float, refine: float
     ) -> None:
         self.margin = margin
         # Set once it is known that this margin's roadmap has no solution.
         self.hopeless = False
         self.required: Requirement = requirement(problem, margin)
-        self.movers = [int(agent) for agent in np.flatnonzero(~problem.fixed)]
+        self.movers = [int(agent) for agent in np.flatnonzero(~problem.prescribed)]
         heeding = problem.heeds_walls[self.movers]
         radii = self.required.walls[self.movers]
         roadmap = build_roadmap(
@@ -130,7 +125,7 @@ def schedule(num_margins: int) -> list[Stage]:
 
 
 def search_curves(
-    problem: RodProblem,
+    problem: PlanningProblem,
     free_space: FreeSpace | None,
     *,
     settings: SeedingSettings,
@@ -197,7 +192,7 @@ def search_curves(
 
 
 def repair_curves(
-    problem: RodProblem,
+    problem: PlanningProblem,
     free_space: FreeSpace | None,
     curves: Sequence[FloatArray],
     *,
@@ -240,7 +235,9 @@ def repair_curves(
     return SearchResult(None, "", settings.margin, tries, reasons)
 
 
-def _connected_level(problem: RodProblem, free_space: FreeSpace | None, margin: float) -> _Level:
+def _connected_level(
+    problem: PlanningProblem, free_space: FreeSpace | None, margin: float
+) -> _Level:
     """The roadmap of a margin; finer where the first one misses ways that the free space has."""
     level = _Level(problem, free_space, margin, 1.0)
     if level.journeys.stranded() and not_connected(problem, free_space, level.required.walls):

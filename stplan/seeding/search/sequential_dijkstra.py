@@ -16,9 +16,10 @@ import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import working_time
+from stplan.problem.clearance import requirement, verify
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.model import SeedingSettings
 from stplan.seeding.infeasibility import hopeless, late, no_order, off_mesh
-from stplan.seeding.rod_problem import RodProblem, requirement, verify
 from stplan.seeding.search.layered_dijkstra import HARD, space_time_length
 from stplan.seeding.search.planner import Journeys, LayeredPlanner, automatic_layers, exact_points
 from stplan.seeding.search.roadmap import mesh_roadmap
@@ -32,7 +33,7 @@ LAYER_FACTORS = (1, 2, 4)
 
 
 def dijkstra_curves(
-    problem: RodProblem,
+    problem: PlanningProblem,
     free_space: FreeSpace | None,
     mesh: SeedingMesh,
     *,

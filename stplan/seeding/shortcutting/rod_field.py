@@ -14,10 +14,11 @@ import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.compiled import kernel
+from stplan.geometry.rod_distances import clear_of_walls
 from stplan.geometry.segments import squared_distance
+from stplan.problem.clearance import STRICT, Requirement
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.seeding.elastic_bands.bands import waypoint_knots
-from stplan.seeding.rod_kernels import clear_of_walls
-from stplan.seeding.rod_problem import STRICT, Requirement, RodProblem
 
 # Room for knots that moves add, and for entries of the index, over what the curves need at first.
 SPARE_KNOTS = 8
@@ -65,7 +66,7 @@ class RodField(NamedTuple):
     wall_starts: IntArray
     wall_members: IntArray
 
-    def curve(self, problem: RodProblem, agent: int) -> FloatArray:
+    def curve(self, problem: PlanningProblem, agent: int) -> FloatArray:
         """An agent's curve in (x, y, t), ends exact to the last bit."""
         path = problem.paths[agent]
         if path is not None:
@@ -81,7 +82,7 @@ class RodField(NamedTuple):
 
 
 def build_field(
-    problem: RodProblem, curves: Sequence[FloatArray], required: Requirement, room: int = 0
+    problem: PlanningProblem, curves: Sequence[FloatArray], required: Requirement, room: int = 0
 ) -> RodField:
     """The field of `curves` with room for at least `room` knots an agent."""
     counts = np.array([len(curve) for curve in curves], dtype=np.int64)

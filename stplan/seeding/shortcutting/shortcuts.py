@@ -12,7 +12,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.seeding.rod_problem import Requirement, RodProblem, held_requirement, verify
+from stplan.problem.clearance import Requirement, held_requirement, verify
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.seeding.shortcutting.resampling import resample_curve
 from stplan.seeding.shortcutting.retiming import even_knots
 from stplan.seeding.shortcutting.rod_field import build_field
@@ -35,7 +36,7 @@ SLACK = 0.2
 
 
 def prepare_seed(
-    problem: RodProblem,
+    problem: PlanningProblem,
     curves: Sequence[FloatArray],
     num_knots: int | None = None,
     margin: float = 1.05,
@@ -63,7 +64,7 @@ def prepare_seed(
 
 
 def polish(
-    problem: RodProblem,
+    problem: PlanningProblem,
     curves: Sequence[FloatArray],
     *,
     margin: float = 1.05,
@@ -79,7 +80,7 @@ def polish(
     kept = held_requirement(problem, curves, margin) if required is None else required
     rng = np.random.default_rng(rng_seed)
     current = stretch(problem, curves, kept)
-    movable = np.flatnonzero(~problem.fixed)
+    movable = np.flatnonzero(~problem.prescribed)
     cost = kinetic_cost(problem, current)
     for turn in range(rounds):
         check()
@@ -97,7 +98,7 @@ def polish(
     return current
 
 
-def kinetic_cost(problem: RodProblem, curves: Sequence[FloatArray]) -> float:
+def kinetic_cost(problem: PlanningProblem, curves: Sequence[FloatArray]) -> float:
     """Sum over agents and segments of 1/2 m |dx|^2 / dt, J."""
     total = 0.0
     for mass, curve in zip(problem.masses.tolist(), curves, strict=True):
@@ -107,7 +108,7 @@ def kinetic_cost(problem: RodProblem, curves: Sequence[FloatArray]) -> float:
 
 
 def stretch(
-    problem: RodProblem, curves: Sequence[FloatArray], required: Requirement
+    problem: PlanningProblem, curves: Sequence[FloatArray], required: Requirement
 ) -> list[FloatArray]:
     """The curves slowed down towards their preferred arrivals, as far as that is proven clear.
 
@@ -115,7 +116,7 @@ def stretch(
     its own. Given paths, unequal starts and tails are why it is proven and not taken for granted.
     """
     current = [np.array(curve) for curve in curves]
-    movable = np.flatnonzero(~problem.fixed)
+    movable = np.flatnonzero(~problem.prescribed)
     if not len(movable):
         return current
     lasts = np.array([current[agent][-1, 2] for agent in movable])
@@ -135,7 +136,9 @@ def stretch(
     return current
 
 
-def _stretched(problem: RodProblem, agent: int, curve: FloatArray, factor: float) -> FloatArray:
+def _stretched(
+    problem: PlanningProblem, agent: int, curve: FloatArray, factor: float
+) -> FloatArray:
     """One curve slowed down by `factor` from its start on."""
     begin, preferred = problem.start_times[agent], problem.preferred_times[agent]
     result = curve.copy()
@@ -147,7 +150,7 @@ def _stretched(problem: RodProblem, agent: int, curve: FloatArray, factor: float
 
 
 def resample(
-    problem: RodProblem, curves: Sequence[FloatArray], num_knots: int | None = None
+    problem: PlanningProblem, curves: Sequence[FloatArray], num_knots: int | None = None
 ) -> list[FloatArray]:
     """The same curves with `num_knots` knots each (None follows the bends), given paths as is."""
     return [
@@ -157,7 +160,7 @@ def resample(
 
 
 def even_out(
-    problem: RodProblem,
+    problem: PlanningProblem,
     curves: Sequence[FloatArray],
     num_knots: int | None = None,
     *,

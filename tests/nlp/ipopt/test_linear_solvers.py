@@ -10,7 +10,7 @@ import pytest
 from stplan.bench.families_open import circle
 from stplan.errors import SolverError
 from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
-from stplan.optimize import linear_solvers
+from stplan.nlp.ipopt import linear_solvers
 from stplan.planner import plan
 
 

@@ -10,10 +10,11 @@ import pytest
 import shapely
 
 from stplan.arrays import FloatArray
+from stplan.problem.clearance import verify
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.model import Agent, PairRule, Scene, Weights
 from stplan.seeding.elastic_bands.block_tridiagonal import FIXED, FREE, PINNED, hold_knots, solve
 from stplan.seeding.elastic_bands.relaxation import RelaxationResult, relax
-from stplan.seeding.rod_problem import RodProblem, verify
 from stplan.seeding.shortcutting.shortcuts import prepare_seed
 from stplan.world import FreeSpace
 from tests.seeding.families import (
@@ -30,14 +31,14 @@ from tests.seeding.families import (
 
 def relaxed(
     one: Scene, space: FreeSpace | None = None, initial: list[FloatArray] | None = None
-) -> tuple[RodProblem, RelaxationResult]:
+) -> tuple[PlanningProblem, RelaxationResult]:
     """The scene relaxed with the default margin, proven clear with it if solved."""
-    problem = RodProblem.from_scene(one, space)
+    problem = PlanningProblem.from_scene(one, space)
     result = relax(problem, initial, margin=1.02, max_sweeps=600)
     return problem, result
 
 
-def sampled_ratio(problem: RodProblem, curves: Sequence[FloatArray]) -> float:
+def sampled_ratio(problem: PlanningProblem, curves: Sequence[FloatArray]) -> float:
     """Least ratio of distance to R over colliding pairs at 2000 common instants."""
     times = np.linspace(0.0, problem.final_time, 2000)
     places = np.stack(
@@ -79,7 +80,7 @@ def test_families_are_solved_close_to_straight(name: str) -> None:
 
 
 def test_the_same_seed_gives_the_same_bytes_and_another_one_another_answer() -> None:
-    problem = RodProblem.from_scene(circle(6, 5.0, 20.0), None)
+    problem = PlanningProblem.from_scene(circle(6, 5.0, 20.0), None)
     first, again, other = (relax(problem, rng_seed=seed) for seed in (3, 3, 4))
     assert [c.tobytes() for c in first.curves] == [c.tobytes() for c in again.curves]
     assert [c.tobytes() for c in first.curves] != [c.tobytes() for c in other.curves]
@@ -242,7 +243,7 @@ def test_the_smallest_scenes() -> None:
 
 def test_the_impossible_is_reported_within_its_limits() -> None:
     agents = [agent("a", (0, 0), (10, 0)), agent("b", (10, 0), (10.5, 0))]
-    problem = RodProblem.from_scene(scene(agents), None)
+    problem = PlanningProblem.from_scene(scene(agents), None)
     result = relax(problem, max_sweeps=200)
     assert not result.solved
     assert result.stuck == [(0, 1)]

@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stplan.problem.clearance import rod_clearances, verify, wall_clearance
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.model import Scene
 from stplan.scene.reading.load import load_scene
 from stplan.seeding.elastic_bands.geodesics import geodesic_curves
-from stplan.seeding.rod_problem import RodProblem, rod_clearances, verify, wall_clearance
 from stplan.seeding.search.schedule import SearchResult, repair_curves, search_curves
 from stplan.world import FreeSpace, build_free_space
 from tests.seeding import tight_families as families
@@ -18,9 +19,9 @@ from tests.seeding import tight_families as families
 SCENES = Path(__file__).parents[3] / "scenes"
 
 
-def prepared(scene: Scene) -> tuple[RodProblem, FreeSpace | None]:
+def prepared(scene: Scene) -> tuple[PlanningProblem, FreeSpace | None]:
     free_space = build_free_space(scene)
-    return RodProblem.from_scene(scene, free_space), free_space
+    return PlanningProblem.from_scene(scene, free_space), free_space
 
 
 def searched(scene: Scene) -> SearchResult:

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from stplan.problem.clearance import requirement, verify
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.model import PairRule, Scene, Weights
-from stplan.seeding.rod_problem import RodProblem, requirement, verify
 from stplan.seeding.search.planner import MAX_CLASSES, classes
 from stplan.seeding.search.schedule import SearchResult, search_curves
 from stplan.world import build_free_space
@@ -18,13 +19,13 @@ ROOM = rectangle(0, 0, 8, 6)
 CROSSING = [((1.0, 3.0), (7.0, 3.0)), ((7.0, 3.0), (1.0, 3.0)), ((4.0, 1.0), (4.0, 5.0))]
 
 
-def search(scene: Scene) -> tuple[RodProblem, SearchResult]:
+def search(scene: Scene) -> tuple[PlanningProblem, SearchResult]:
     free_space = build_free_space(scene)
-    problem = RodProblem.from_scene(scene, free_space)
+    problem = PlanningProblem.from_scene(scene, free_space)
     return problem, search_curves(problem, free_space, settings=scene.seeding)
 
 
-def solved(scene: Scene) -> tuple[RodProblem, list[np.ndarray]]:
+def solved(scene: Scene) -> tuple[PlanningProblem, list[np.ndarray]]:
     problem, result = search(scene)
     assert result.curves is not None, [reason.sentence for reason in result.diagnosis]
     assert verify(problem, result.curves) == []

@@ -6,17 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 
+from stplan.problem.clearance import verify
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.model import Scene
-from stplan.seeding.rod_problem import RodProblem, verify
 from stplan.seeding.search.schedule import SearchResult
 from stplan.seeding.search.sequential_dijkstra import dijkstra_curves
 from stplan.world import build_free_space, build_seeding_mesh
 from tests.seeding import tight_families as families
 
 
-def dijkstra(scene: Scene) -> tuple[RodProblem, SearchResult]:
+def dijkstra(scene: Scene) -> tuple[PlanningProblem, SearchResult]:
     free_space = build_free_space(scene)
-    problem = RodProblem.from_scene(scene, free_space)
+    problem = PlanningProblem.from_scene(scene, free_space)
     mesh = build_seeding_mesh(scene, free_space)
     return problem, dijkstra_curves(problem, free_space, mesh, settings=scene.seeding)
 

@@ -9,9 +9,10 @@ import pytest
 import shapely
 
 from stplan.arrays import FloatArray
+from stplan.problem.clearance import held_requirement, requirement, verify
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.model import Scene, Weights
 from stplan.seeding.elastic_bands.relaxation import relax
-from stplan.seeding.rod_problem import RodProblem, held_requirement, requirement, verify
 from stplan.seeding.shortcutting.resampling import resample_curve
 from stplan.seeding.shortcutting.shortcuts import even_out, polish, prepare_seed, resample, stretch
 from stplan.world import FreeSpace
@@ -44,7 +45,7 @@ def two_rooms() -> FreeSpace:
     "one", [open_field(30, 0.15), crossing_flows(30), circle(8, 6.0, 20.0)], ids=lambda one: "-"
 )
 def test_prepared_seeds_are_clear_cheap_and_even(one: Scene) -> None:
-    problem = RodProblem.from_scene(one, None)
+    problem = PlanningProblem.from_scene(one, None)
     found = relax(problem)
     assert found.solved
     curves = prepare_seed(problem, found.curves)
@@ -58,7 +59,7 @@ def test_prepared_seeds_are_clear_cheap_and_even(one: Scene) -> None:
 
 def test_polish_takes_detours_out() -> None:
     one, curves = detours()
-    problem = RodProblem.from_scene(one, None)
+    problem = PlanningProblem.from_scene(one, None)
     assert verify(problem, curves) == []
     better = polish(problem, curves)
     assert verify(problem, better, held_requirement(problem, curves, 1.05)) == []
@@ -68,7 +69,7 @@ def test_polish_takes_detours_out() -> None:
 
 def test_the_same_seed_gives_the_same_bytes() -> None:
     one, curves = detours()
-    problem = RodProblem.from_scene(one, None)
+    problem = PlanningProblem.from_scene(one, None)
     first, again = (prepare_seed(problem, curves, rng_seed=7) for _ in range(2))
     assert [c.tobytes() for c in first] == [c.tobytes() for c in again]
 
@@ -83,7 +84,7 @@ def test_waypoints_and_given_paths_are_kept() -> None:
         np.array([[0, 0, 0], [0, 2, 1], [2, 3, 2], [5, 4, 3], [8, 3, 4], [9, 3, 5], [10, 0, 6.0]]),
         np.array(path),
     ]
-    problem = RodProblem.from_scene(scene(agents), None)
+    problem = PlanningProblem.from_scene(scene(agents), None)
     result = prepare_seed(problem, curves, 40)
     assert verify(problem, result) == []
     assert len(result[0]) == 40
@@ -94,7 +95,7 @@ def test_waypoints_and_given_paths_are_kept() -> None:
 def test_stretching_uses_the_time_there_is() -> None:
     agents = [agent("a", (0, 0), (10, 0)), agent("b", (10, 5), (0, 5), max_time=15.0)]
     curves = [np.array([[0, 0, 0], [10, 0, 5.0]]), np.array([[10, 5, 0], [0, 5, 5.0]])]
-    problem = RodProblem.from_scene(scene(agents), None)
+    problem = PlanningProblem.from_scene(scene(agents), None)
     slow = stretch(problem, curves, requirement(problem))
     assert [curve[-1, 2] for curve in slow] == [20.0, 15.0]
 
@@ -112,7 +113,7 @@ def test_stretching_minds_starts_tails_and_given_paths() -> None:
         np.array([[5, -5, 4], [5, 5, 9.0]]),
         np.array([[0, 8, 0], [10, 8, 10.0]]),
     ]
-    problem = RodProblem.from_scene(scene(agents), None)
+    problem = PlanningProblem.from_scene(scene(agents), None)
     assert verify(problem, curves) == []
     wanted = held_requirement(problem, curves, 1.05)
     slow = stretch(problem, curves, wanted)
@@ -126,7 +127,7 @@ def test_stretching_minds_starts_tails_and_given_paths() -> None:
 
 def test_arrival_is_not_put_off_beyond_the_preferred_time() -> None:
     keen = agent("k", (0, 0), (10, 0), preferred_time=8.0, weights=Weights(arrival=1.0))
-    problem = RodProblem.from_scene(scene([keen]), None)
+    problem = PlanningProblem.from_scene(scene([keen]), None)
     result = prepare_seed(problem, [np.array([[0, 0, 0], [10, 0, 5.0]])])
     assert result[0][-1, 2] == 8.0
 
@@ -137,7 +138,7 @@ def test_walls_are_never_cut() -> None:
         np.array([[0, 3, 0], [4, 0, 4], [6, 0, 5], [10, 3, 9.0]]),
         np.array([[10, -3, 0], [6, 0, 10], [4, 0, 13], [0, -3, 19.0]]),
     ]
-    problem = RodProblem.from_scene(scene(agents), two_rooms())
+    problem = PlanningProblem.from_scene(scene(agents), two_rooms())
     assert verify(problem, curves) == []
     result = prepare_seed(problem, curves)
     assert verify(problem, result) == []
@@ -146,7 +147,7 @@ def test_walls_are_never_cut() -> None:
 
 def test_who_ignores_walls_may_cut_them() -> None:
     ghost = agent("g", (0, 3), (10, 3), weights=Weights(wall=0.0))
-    problem = RodProblem.from_scene(scene([ghost]), two_rooms())
+    problem = PlanningProblem.from_scene(scene([ghost]), two_rooms())
     result = polish(problem, [np.array([[0, 3, 0], [5, 0, 10], [10, 3, 20.0]])])
     assert np.abs(result[0][:, 1] - 3).max() < 1e-9
 
@@ -167,7 +168,7 @@ def test_resampling_keeps_the_curve_and_its_knots() -> None:
 def test_resampling_a_scene_leaves_given_paths() -> None:
     one, curves = detours()
     told = replace(one.agents[0], path=tuple(map(tuple, curves[0].tolist())), max_time=8.0)
-    problem = RodProblem.from_scene(replace(one, agents=(told, one.agents[1])), None)
+    problem = PlanningProblem.from_scene(replace(one, agents=(told, one.agents[1])), None)
     result = resample(problem, curves, 25)
     assert (result[0] == curves[0]).all()
     assert len(result[1]) == 25
@@ -176,7 +177,7 @@ def test_resampling_a_scene_leaves_given_paths() -> None:
 @pytest.mark.parametrize("num_knots", [20, 45])
 def test_evening_out_gives_the_knots_asked_for(num_knots: int) -> None:
     one, curves = detours()
-    problem = RodProblem.from_scene(one, None)
+    problem = PlanningProblem.from_scene(one, None)
     result = even_out(problem, curves, num_knots)
     assert [len(curve) for curve in result] == [num_knots] * 2
     assert verify(problem, result) == []
@@ -190,7 +191,7 @@ def test_a_corner_of_two_close_knots_becomes_one_knot() -> None:
         np.array([[0, 0, 0], [4.9, 1.06, 9.9], [5.1, 1.06, 10.1], [10, 0, 20.0]]),
         np.array([[5, 0, 0], [5, 0, 20.0]]),
     ]
-    problem = RodProblem.from_scene(scene(agents), None)
+    problem = PlanningProblem.from_scene(scene(agents), None)
     required = requirement(problem, 1.01)
     assert verify(problem, curves, required) == []
     result = even_out(problem, curves, 30, required=required)
@@ -204,7 +205,7 @@ def test_who_stands_keeps_standing() -> None:
         np.array([[0, 0, 0], [0, 0, 20.0]]),
         np.array([[0, 3, 0], [9, 3, 20.0]]),
     ]
-    problem = RodProblem.from_scene(scene(agents), None)
+    problem = PlanningProblem.from_scene(scene(agents), None)
     result = prepare_seed(problem, curves)
     assert (result[0][:, :2] == 0.0).all()
     assert verify(problem, result) == []

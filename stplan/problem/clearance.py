@@ -9,124 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.arrays import FloatArray, IntArray
 from stplan.geometry.boundary_grid import BoundaryGrid
+from stplan.geometry.rod_distances import least_wall_distance, segment_distances
 from stplan.geometry.rod_neighbours import near_segments
-from stplan.scene.interactions import scene_interactions
-from stplan.scene.model import Scene
-from stplan.seeding.rod_kernels import least_wall_distance, segment_distances
-
-if TYPE_CHECKING:
-    from stplan.world import FreeSpace
+from stplan.problem.planning_problem import PlanningProblem
 
 # Clear means further apart than R by more than rounding could feign.
 STRICT = 1.0 + 1e-9
 # A waypoint counts as passed, a given path as followed, within this distance (m).
 PLACE_TOLERANCE = 1e-9
-
-
-@dataclass(frozen=True)
-class RodProblem:
-    """What initial curves have to satisfy, as arrays over the A agents in scene order.
-
-    Attributes:
-        agent_ids: for messages.
-        starts, goals: (A, 2) in m.
-        start_times, max_times: (A,) in s.
-        preferred_times: (A,) when an agent would like to arrive (s): its preferred time where that
-            has weight, else `max_times`, because slow is cheap.
-        radii, masses: (A,) in m and kg.
-        stays: (A,) whether the rod goes on at the goal until `final_time` (s).
-        time_scale: c in m/s.
-        collides: (A, A) pairs that keep their distance.
-        distance: (A, A) R_ab in m.
-        heeds_walls: (A,).
-        boundary: the walls, None in the open plane.
-        waypoints: one (w, 2) array an agent.
-        paths: the whole (n, 3) curve of agents that move as told, else None.
-    """
-
-    agent_ids: tuple[str, ...]
-    starts: FloatArray
-    goals: FloatArray
-    start_times: FloatArray
-    max_times: FloatArray
-    preferred_times: FloatArray
-    radii: FloatArray
-    masses: FloatArray
-    stays: BoolArray
-    final_time: float
-    time_scale: float
-    collides: BoolArray
-    distance: FloatArray
-    heeds_walls: BoolArray
-    boundary: BoundaryGrid | None
-    waypoints: tuple[FloatArray, ...]
-    paths: tuple[FloatArray | None, ...]
-
-    @staticmethod
-    def from_scene(scene: Scene, free_space: FreeSpace | None) -> RodProblem:
-        """The problem of `scene` in `free_space` (None is the open plane)."""
-        agents = scene.agents
-        interactions = scene_interactions(scene)
-        max_times = np.array([agent.max_time for agent in agents], dtype=np.float64)
-        preferred = [
-            agent.max_time
-            if agent.preferred_time is None or agent.weights.arrival <= 0
-            else min(agent.preferred_time, agent.max_time)
-            for agent in agents
-        ]
-        walls = None if free_space is None else free_space.boundary_segments
-        return RodProblem(
-            agent_ids=tuple(agent.id for agent in agents),
-            starts=np.array([agent.start for agent in agents], dtype=np.float64),
-            goals=np.array([agent.goal for agent in agents], dtype=np.float64),
-            start_times=np.array([agent.start_time for agent in agents], dtype=np.float64),
-            max_times=max_times,
-            preferred_times=np.array(preferred, dtype=np.float64),
-            radii=np.array([agent.radius for agent in agents], dtype=np.float64),
-            masses=np.array([agent.mass for agent in agents], dtype=np.float64),
-            stays=np.array([agent.after_arrival == "stay" for agent in agents], dtype=bool),
-            final_time=float(scene.final_time),
-            time_scale=float(scene.time_scale),
-            collides=interactions.collides,
-            distance=interactions.distance,
-            heeds_walls=np.array([agent.weights.wall > 0 for agent in agents], dtype=bool),
-            boundary=BoundaryGrid(walls) if walls is not None and len(walls) else None,
-            waypoints=tuple(
-                np.array(agent.waypoints, dtype=np.float64).reshape(-1, 2) for agent in agents
-            ),
-            paths=tuple(
-                None if agent.path is None else np.array(agent.path, dtype=np.float64)
-                for agent in agents
-            ),
-        )
-
-    @property
-    def num_agents(self) -> int:
-        """Number of agents A."""
-        return len(self.radii)
-
-    @property
-    def fixed(self) -> BoolArray:
-        """(A,) agents that move as told."""
-        return np.array([path is not None for path in self.paths], dtype=bool)
-
-    def rod(self, agent: int, curve: FloatArray) -> FloatArray:
-        """The rod of `curve` in (x, y, c t), its tail included where the agent stays; m."""
-        rod = curve * [1.0, 1.0, self.time_scale]
-        if self.stays[agent] and curve[-1, 2] < self.final_time:
-            tail = [rod[-1, 0], rod[-1, 1], self.time_scale * self.final_time]
-            rod = np.vstack([rod, tail])
-        return np.ascontiguousarray(rod)
-
-    def wall_edges_heeded(self, agent: int) -> BoundaryGrid | None:
-        """The walls `agent` keeps its radius from, None where there are none for it."""
-        return self.boundary if self.heeds_walls[agent] else None
 
 
 @dataclass(frozen=True)
@@ -154,7 +49,7 @@ class RodClearances:
     violations: list[tuple[int, int, float]]
 
 
-def requirement(problem: RodProblem, margin: float = 1.0) -> Requirement:
+def requirement(problem: PlanningProblem, margin: float = 1.0) -> Requirement:
     """`margin` times R and r, but no more than what cannot move leaves possible.
 
     Where fixed ends of a pair (starts, goals with their tails, given paths) are nearer than the
@@ -171,7 +66,7 @@ def requirement(problem: RodProblem, margin: float = 1.0) -> Requirement:
     excess[b, a] = excess[a, b]
     walls = np.full(problem.num_agents, margin - 1.0)
     if problem.boundary is not None:
-        for agent in np.flatnonzero(problem.heeds_walls & ~problem.fixed):
+        for agent in np.flatnonzero(problem.heeds_walls & ~problem.prescribed):
             ends = [problem.starts[agent], problem.goals[agent], *problem.waypoints[agent]]
             reach = max(2.0 * margin - 1.0, 1.0) * float(problem.radii[agent])
             points = np.array(ends)
@@ -181,7 +76,7 @@ def requirement(problem: RodProblem, margin: float = 1.0) -> Requirement:
 
 
 def held_requirement(
-    problem: RodProblem, curves: Sequence[FloatArray], margin: float
+    problem: PlanningProblem, curves: Sequence[FloatArray], margin: float
 ) -> Requirement:
     """`requirement`, but no more than nine tenths of the clearance that `curves` already hold.
 
@@ -203,7 +98,7 @@ def held_requirement(
 
 
 def rod_clearances(
-    problem: RodProblem,
+    problem: PlanningProblem,
     curves: Sequence[FloatArray],
     required: FloatArray | None = None,
     *,
@@ -226,7 +121,7 @@ def rod_clearances(
 
 
 def wall_clearance(
-    problem: RodProblem, agent: int, curve: FloatArray, reach: float | None = None
+    problem: PlanningProblem, agent: int, curve: FloatArray, reach: float | None = None
 ) -> float:
     """Distance of a path to the walls its agent heeds (m), inf beyond `reach` (default 2 r)."""
     walls = problem.wall_edges_heeded(agent)
@@ -236,13 +131,13 @@ def wall_clearance(
     return _wall_distance(walls, curve[:-1, :2], curve[1:, :2], limit)
 
 
-def crosses_boundary(problem: RodProblem, agent: int, curve: FloatArray) -> bool:
+def crosses_boundary(problem: PlanningProblem, agent: int, curve: FloatArray) -> bool:
     """Whether a path touches or crosses a wall its agent heeds."""
     return wall_clearance(problem, agent, curve, 1e-9) <= 1e-12
 
 
 def verify(
-    problem: RodProblem,
+    problem: PlanningProblem,
     curves: Sequence[FloatArray],
     margin: float | Requirement = 1.0,
 ) -> list[str]:
@@ -274,7 +169,7 @@ def verify(
     return faults
 
 
-def _shape_faults(problem: RodProblem, agent: int, curve: FloatArray) -> list[str]:
+def _shape_faults(problem: PlanningProblem, agent: int, curve: FloatArray) -> list[str]:
     """What is wrong with one curve on its own."""
     if curve.ndim != 2 or curve.shape[1] != 3 or len(curve) < 2 or not np.isfinite(curve).all():
         return ["needs at least two finite knots"]
@@ -306,11 +201,11 @@ def _shape_faults(problem: RodProblem, agent: int, curve: FloatArray) -> list[st
     return []
 
 
-def _rods(problem: RodProblem, curves: Sequence[FloatArray]) -> list[list[FloatArray]]:
+def _rods(problem: PlanningProblem, curves: Sequence[FloatArray]) -> list[list[FloatArray]]:
     return [[problem.rod(agent, curve)] for agent, curve in enumerate(curves)]
 
 
-def _fixed_pieces(problem: RodProblem, agent: int) -> list[FloatArray]:
+def _fixed_pieces(problem: PlanningProblem, agent: int) -> list[FloatArray]:
     """Pieces of an agent's rod that hardly any seeding moves, as polylines in (x, y, c t)."""
     path = problem.paths[agent]
     if path is not None:
@@ -323,7 +218,7 @@ def _fixed_pieces(problem: RodProblem, agent: int) -> list[FloatArray]:
 
 
 def _near_pairs(
-    problem: RodProblem, pieces: Sequence[Sequence[FloatArray]], reach: FloatArray
+    problem: PlanningProblem, pieces: Sequence[Sequence[FloatArray]], reach: FloatArray
 ) -> tuple[IntArray, FloatArray]:
     """Pairs (N, 2) of colliding agents nearer than the (A, A) `reach`, and their distance (N,)."""
     positions = np.vstack([piece for own in pieces for piece in own])

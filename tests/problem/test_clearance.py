@@ -9,12 +9,9 @@ import pytest
 import shapely
 
 from stplan.arrays import FloatArray
+from stplan.geometry.rod_distances import rod_distance
 from stplan.geometry.segments import squared_distance
-from stplan.scene.model import PairRule, Weights
-from stplan.seeding.elastic_bands.band_neighbours import near_rows
-from stplan.seeding.rod_kernels import rod_distance
-from stplan.seeding.rod_problem import (
-    RodProblem,
+from stplan.problem.clearance import (
     crosses_boundary,
     held_requirement,
     requirement,
@@ -22,6 +19,9 @@ from stplan.seeding.rod_problem import (
     verify,
     wall_clearance,
 )
+from stplan.problem.planning_problem import PlanningProblem
+from stplan.scene.model import PairRule, Weights
+from stplan.seeding.elastic_bands.band_neighbours import near_rows
 from stplan.seeding.shortcutting.rod_field import build_field, segment_clear
 from stplan.world import FreeSpace
 from tests.seeding.families import agent, scene
@@ -36,7 +36,7 @@ def random_curve(rng: np.random.Generator, count: int, extent: float = 10.0) -> 
 
 def random_problem(
     rng: np.random.Generator, count: int, **changes: object
-) -> tuple[RodProblem, list[FloatArray]]:
+) -> tuple[PlanningProblem, list[FloatArray]]:
     """A problem of `count` agents with unequal radii, and curves that fit its ends."""
     curves = [random_curve(rng, int(rng.integers(2, 8))) for _ in range(count)]
     agents = [
@@ -49,7 +49,7 @@ def random_problem(
         )
         for k, curve in enumerate(curves)
     ]
-    return RodProblem.from_scene(scene(agents, horizon=25.0, time_scale=0.7), None), curves
+    return PlanningProblem.from_scene(scene(agents, horizon=25.0, time_scale=0.7), None), curves
 
 
 def room(*holes: shapely.Polygon) -> FreeSpace:
@@ -130,18 +130,18 @@ def test_a_tail_stands_where_a_vanishing_agent_does_not() -> None:
         np.array([[0, 0, 0], [5, 0, 5.0]]),
         np.array([[5, 9, 0], [5, 5, 15.0], [5, -9, 20.0]]),
     ]
-    staying = RodProblem.from_scene(scene([here, late]), None)
+    staying = PlanningProblem.from_scene(scene([here, late]), None)
     assert len(verify(staying, curves)) == 1
     vanishing = scene([replace(here, after_arrival="vanish"), late])
-    assert verify(RodProblem.from_scene(vanishing, None), curves) == []
+    assert verify(PlanningProblem.from_scene(vanishing, None), curves) == []
 
 
 def test_pairs_that_ignore_each_other_may_meet() -> None:
     agents = [agent("a", (0, 0), (9, 0)), agent("b", (9, 0), (0, 0))]
     curves = [np.array([[0, 0, 0], [9, 0, 20.0]]), np.array([[9, 0, 0], [0, 0, 20.0]])]
-    assert verify(RodProblem.from_scene(scene(agents), None), curves)
+    assert verify(PlanningProblem.from_scene(scene(agents), None), curves)
     rule = PairRule((0,), (1,), collide=False)
-    assert verify(RodProblem.from_scene(scene(agents, pairs=(rule,)), None), curves) == []
+    assert verify(PlanningProblem.from_scene(scene(agents, pairs=(rule,)), None), curves) == []
 
 
 def test_the_margin_gives_way_to_fixed_ends() -> None:
@@ -151,17 +151,17 @@ def test_the_margin_gives_way_to_fixed_ends() -> None:
         agent("c", (0, 5), (9, 1.01)),
         agent("d", (30, 5), (39, 5)),
     ]
-    wanted = requirement(RodProblem.from_scene(scene(agents), None), 1.05).rods
+    wanted = requirement(PlanningProblem.from_scene(scene(agents), None), 1.05).rods
     assert wanted[0, 1] == wanted[1, 0] == pytest.approx(1.01)
     assert wanted[0, 2] == pytest.approx(1.005)
     assert wanted[0, 3] == wanted[1, 2] == pytest.approx(1.05)
-    standing = requirement(RodProblem.from_scene(scene(agents), None), 1.0).rods
+    standing = requirement(PlanningProblem.from_scene(scene(agents), None), 1.0).rods
     assert standing == pytest.approx(np.ones((4, 4)))
 
 
 def test_the_margin_gives_way_near_walls() -> None:
     agents = [agent("a", (0.51, 5), (9, 5)), agent("b", (5, 5), (2, 2))]
-    wanted = requirement(RodProblem.from_scene(scene(agents), room()), 1.05).walls
+    wanted = requirement(PlanningProblem.from_scene(scene(agents), room()), 1.05).walls
     assert wanted == pytest.approx([0.505, 0.525])
 
 
@@ -171,7 +171,7 @@ def test_a_held_requirement_never_asks_for_more_than_the_curves_have() -> None:
         np.array([[0, 0, 0], [5, 0, 9], [9, 0, 20.0]]),
         np.array([[0, 5, 0], [5, 1.02, 9], [9, 5, 20.0]]),
     ]
-    problem = RodProblem.from_scene(scene(agents), None)
+    problem = PlanningProblem.from_scene(scene(agents), None)
     gap = rod_clearances(problem, curves).distance[0]
     held = held_requirement(problem, curves, 1.05)
     assert held.rods[0, 1] == pytest.approx(1 + 0.9 * (gap - 1))
@@ -184,7 +184,7 @@ def test_walls_are_met_on_segments_and_only_by_those_who_heed_them() -> None:
     heeding = agent("a", (1, 5), (9, 5))
     ghost = replace(heeding, id="g", weights=Weights(wall=0.0, collision=0.0))
     rule = PairRule((0,), (1,), collide=False)
-    problem = RodProblem.from_scene(scene([heeding, ghost], pairs=(rule,)), room(pillar))
+    problem = PlanningProblem.from_scene(scene([heeding, ghost], pairs=(rule,)), room(pillar))
     straight = np.array([[1, 5, 0], [9, 5, 20.0]])
     around = np.array([[1, 5, 0], [5, 6, 10], [9, 5, 20.0]])
     detour = np.array([[1, 5, 0], [3, 6, 5], [7, 6, 15], [9, 5, 20.0]])
@@ -203,7 +203,7 @@ def test_walls_are_met_on_segments_and_only_by_those_who_heed_them() -> None:
 def test_verify_names_what_is_wrong() -> None:
     walker = agent("w", (0, 0), (9, 0), waypoints=((3.0, 1.0), (6.0, 1.0)))
     told = agent("p", (0, 5), (9, 5), path=((0.0, 5.0, 0.0), (9.0, 5.0, 20.0)))
-    problem = RodProblem.from_scene(scene([walker, told]), None)
+    problem = PlanningProblem.from_scene(scene([walker, told]), None)
     good = np.array([[0, 0, 0], [3, 1, 5], [6, 1, 10], [9, 0, 20.0]])
     path = np.array([[0, 5, 0], [4.5, 5, 10], [9, 5, 20.0]])
     assert verify(problem, [good, path]) == []
@@ -254,7 +254,7 @@ def test_the_index_answers_like_brute_force() -> None:
 def test_the_index_answers_like_brute_force_at_walls() -> None:
     rng = np.random.default_rng(6)
     space = room(shapely.Point(5, 5).buffer(2.0), shapely.box(1, 1, 3, 1.2))
-    problem = RodProblem.from_scene(scene([agent("a", (1, 9), (9, 9), radius=0.3)]), space)
+    problem = PlanningProblem.from_scene(scene([agent("a", (1, 9), (9, 9), radius=0.3)]), space)
     field = build_field(problem, [np.array([[1, 9, 0], [9, 9, 20.0]])], requirement(problem, 1.0))
     for _ in range(300):
         ends = np.column_stack([rng.uniform(0, 10, (2, 2)), [0.0, 20.0]])

@@ -1,0 +1,154 @@
+"""The prepared problem: what a scene asks, as arrays over its agents, made once and handed to every stage.
+
+Seeders, the optimiser, explanations and pictures all read the same arrays; nothing here changes while a
+scene is planned. Arrays are over the A agents in scene order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stplan.arrays import BoolArray, FloatArray
+from stplan.geometry.boundary_grid import BoundaryGrid
+from stplan.memory import LEAST_KNOTS, require_memory
+from stplan.problem.presence import present_until
+from stplan.scene.interactions import Interactions, Meeting, scene_interactions, scene_meetings
+from stplan.scene.model import Scene
+from stplan.world.free_space import FreeSpace
+from stplan.world.placement import fitted_free_space
+
+
+@dataclass(frozen=True)
+class PlanningProblem:
+    """What curves have to satisfy.
+
+    Attributes:
+        scene: what all of this was made from.
+        free_space: the map, None in the open plane.
+        agent_ids: for messages.
+        starts, goals: (A, 2) in m.
+        start_times, max_times: (A,) in s.
+        preferred_times: (A,) when an agent would like to arrive (s): its preferred time where that
+            has weight, else `max_times`, because slow is cheap.
+        radii, masses: (A,) in m and kg.
+        stays: (A,) whether the agent stands on its goal until `final_time`.
+        interactions: who keeps which distance from whom, and how strongly.
+        meetings: who has to meet whom.
+        heeds_walls: (A,).
+        boundary: the walls, None in the open plane.
+        waypoints: one (w, 2) array an agent.
+        paths: the whole (n, 3) curve of agents whose motion is prescribed, else None.
+    """
+
+    scene: Scene
+    free_space: FreeSpace | None
+    agent_ids: tuple[str, ...]
+    starts: FloatArray
+    goals: FloatArray
+    start_times: FloatArray
+    max_times: FloatArray
+    preferred_times: FloatArray
+    radii: FloatArray
+    masses: FloatArray
+    stays: BoolArray
+    interactions: Interactions
+    meetings: tuple[Meeting, ...]
+    heeds_walls: BoolArray
+    boundary: BoundaryGrid | None
+    waypoints: tuple[FloatArray, ...]
+    paths: tuple[FloatArray | None, ...]
+
+    @staticmethod
+    def from_scene(scene: Scene, free_space: FreeSpace | None) -> PlanningProblem:
+        """The problem of `scene` in `free_space` (None is the open plane)."""
+        agents = scene.agents
+        preferred = [
+            agent.max_time
+            if agent.preferred_time is None or agent.weights.arrival <= 0
+            else min(agent.preferred_time, agent.max_time)
+            for agent in agents
+        ]
+        walls = None if free_space is None else free_space.boundary_segments
+        return PlanningProblem(
+            scene=scene,
+            free_space=free_space,
+            agent_ids=tuple(agent.id for agent in agents),
+            starts=np.array([agent.start for agent in agents], dtype=np.float64),
+            goals=np.array([agent.goal for agent in agents], dtype=np.float64),
+            start_times=np.array([agent.start_time for agent in agents], dtype=np.float64),
+            max_times=np.array([agent.max_time for agent in agents], dtype=np.float64),
+            preferred_times=np.array(preferred, dtype=np.float64),
+            radii=np.array([agent.radius for agent in agents], dtype=np.float64),
+            masses=np.array([agent.mass for agent in agents], dtype=np.float64),
+            stays=np.array([agent.after_arrival == "stay" for agent in agents], dtype=bool),
+            interactions=scene_interactions(scene),
+            meetings=scene_meetings(scene),
+            heeds_walls=np.array([agent.weights.wall > 0 for agent in agents], dtype=bool),
+            boundary=BoundaryGrid(walls) if walls is not None and len(walls) else None,
+            waypoints=tuple(
+                np.array(agent.waypoints, dtype=np.float64).reshape(-1, 2) for agent in agents
+            ),
+            paths=tuple(
+                None if agent.path is None else np.array(agent.path, dtype=np.float64)
+                for agent in agents
+            ),
+        )
+
+    @property
+    def num_agents(self) -> int:
+        """Number of agents A."""
+        return len(self.radii)
+
+    @property
+    def time_scale(self) -> float:
+        """c of the space-time metric, m/s."""
+        return self.scene.time_scale
+
+    @property
+    def final_time(self) -> float:
+        """Until when staying agents stand on their goals, s."""
+        return self.scene.final_time
+
+    @property
+    def collides(self) -> BoolArray:
+        """(A, A) pairs that keep their distance."""
+        return self.interactions.collides
+
+    @property
+    def distance(self) -> FloatArray:
+        """(A, A) R_ab in m."""
+        return self.interactions.distance
+
+    @property
+    def prescribed(self) -> BoolArray:
+        """(A,) agents whose motion is prescribed."""
+        return np.array([path is not None for path in self.paths], dtype=bool)
+
+    def present_until(self, arrivals: FloatArray) -> FloatArray:
+        """(A,) until when every agent is there, s, given when each arrives (A,)."""
+        return present_until(self.stays, arrivals, self.final_time)
+
+    def rod(self, agent: int, curve: FloatArray) -> FloatArray:
+        """The rod of `curve` in (x, y, c t), its tail included where the agent stays; m."""
+        rod = curve * [1.0, 1.0, self.time_scale]
+        if self.stays[agent] and curve[-1, 2] < self.final_time:
+            tail = [rod[-1, 0], rod[-1, 1], self.time_scale * self.final_time]
+            rod = np.vstack([rod, tail])
+        return np.ascontiguousarray(rod)
+
+    def wall_edges_heeded(self, agent: int) -> BoundaryGrid | None:
+        """The walls `agent` keeps its radius from, None where there are none for it."""
+        return self.boundary if self.heeds_walls[agent] else None
+
+
+def prepare(scene: Scene) -> PlanningProblem:
+    """The problem of `scene`.
+
+    Raises:
+        SceneError: the scene does not fit into memory, or its agents do not fit their map.
+    """
+    count = len(scene.agents)
+    require_memory(scene.name, count, count * (scene.solver.knots or LEAST_KNOTS))
+    return PlanningProblem.from_scene(scene, fitted_free_space(scene))
