@@ -31,11 +31,12 @@ from stplan.multistart import best_seed
 from stplan.nlp.ipopt.adapter import versions as ipopt_versions
 from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
 from stplan.optimize.continuation import LiveLine, Optimisation, optimise
-from stplan.optimize.restoration import settle
+from stplan.optimize.restoration import restore
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Seed
-from stplan.world import FreeSpace, build_free_space, fitted_free_space
+from stplan.world import build_free_space, fitted_free_space
 
 Progress = Callable[[str], None]
 
@@ -110,14 +111,14 @@ def plan(
     say = progress or (lambda line: None)
     clock = _Clock()
     linear_solver = chosen_linear_solver(scene)
-    free_space, seed, seed_certificate = _seeded(scene, say, clock)
+    problem, seed, seed_certificate = _seeded(scene, say, clock)
     with _interruptible() as interrupted:
         outcome = optimise(
-            scene, free_space, seed.world_lines, progress=say, live=live,
-            interrupted=lambda: interrupted() or (stop is not None and stop()),
+            problem, seed.world_lines, progress=say, live=live,
+            stop=lambda: interrupted() or (stop is not None and stop()),
         )  # fmt: skip
     clock.lap("optimise")
-    certificate = certify(scene, free_space, outcome.world_lines)
+    certificate = certify(scene, problem.free_space, outcome.world_lines)
     clock.lap("certify")
     lines, status = outcome.world_lines, outcome.status
     if not certificate.holds:
@@ -162,7 +163,7 @@ def plan_files(result: Plan) -> dict[str, bytes]:
 
 def _seeded(
     scene: Scene, say: Progress, clock: _Clock
-) -> tuple[FreeSpace | None, Seed, Certificate]:
+) -> tuple[PlanningProblem, Seed, Certificate]:
     count = len(scene.agents)
     require_memory(scene.name, count, count * (scene.solver.knots or LEAST_KNOTS))
     free_space = fitted_free_space(scene)
@@ -170,11 +171,9 @@ def _seeded(
     if not compiled_before(squared_distance):
         say("compiling, once after installation: this takes about a quarter of a minute")
     found = best_seed(scene, free_space, progress=say)
+    problem = PlanningProblem.from_scene(scene, free_space)
     with _interruptible() as interrupted:
-        lines = settle(
-            scene, free_space, found.world_lines, found.meetings,
-            progress=say, interrupted=interrupted,
-        )  # fmt: skip
+        lines = restore(problem, found.world_lines, found.meetings, progress=say, stop=interrupted)
         if interrupted():
             raise KeyboardInterrupt
     found = replace(found, world_lines=lines)
@@ -183,7 +182,7 @@ def _seeded(
     clock.lap("certify")
     if not certificate.holds:
         raise SeedingError(_broken_promises(certificate))
-    return free_space, found, certificate
+    return problem, found, certificate
 
 
 def _broken_promises(certificate: Certificate) -> str:

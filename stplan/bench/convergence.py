@@ -23,6 +23,7 @@ from stplan.costs.term import Term
 from stplan.errors import SeedingError, UsageError
 from stplan.optimize.continuation import optimise
 from stplan.planner import seed as seeded
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene import load_scene
 from stplan.scene.model import Scene
@@ -164,9 +165,9 @@ def trace(
         seconds.append(time.perf_counter() - started)
 
     outcome = optimise(
-        scene, free_space, seed,
+        PlanningProblem.from_scene(scene, free_space), seed,
         progress=lambda line: None,
-        interrupted=lambda: time.perf_counter() - started > time_limit,
+        stop=lambda: time.perf_counter() - started > time_limit,
         observe=observe,
     )  # fmt: skip
     certificate = certify(scene, free_space, outcome.world_lines)

@@ -21,6 +21,7 @@ from stplan.errors import UsageError
 from stplan.multistart import straight_conflicts
 from stplan.optimize.continuation import optimise
 from stplan.planner import Plan
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
 from stplan.world import build_free_space
@@ -238,11 +239,10 @@ def _cost_after(scene: Scene, seed: WorldLines, seconds: float) -> tuple[float, 
     free_space = build_free_space(scene)
     started = time.perf_counter()
     outcome = optimise(
-        scene,
-        free_space,
+        PlanningProblem.from_scene(scene, free_space),
         seed,
         progress=lambda line: None,
-        interrupted=lambda: time.perf_counter() - started > seconds,
+        stop=lambda: time.perf_counter() - started > seconds,
     )
     took = time.perf_counter() - started
     return wide.energy(scene, list(outcome.world_lines.curves())), took

@@ -21,12 +21,10 @@ from stplan.costs.term import Term
 from stplan.costs.wall import Wall
 from stplan.nlp.problem import Limits, Problem, Stopwatch
 from stplan.optimize.scales import Scales
-from stplan.optimize.timed_constraints import Appointments
+from stplan.optimize.timed_constraints import TimedConstraints
 from stplan.problem.layout import KnotLayout
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.rods import Rods
-from stplan.scene.interactions import Interactions
-from stplan.scene.model import Scene
-from stplan.world import FreeSpace
 
 # Smallest duration of a segment over the mean one; and over the seed's own, where that is shorter.
 LEAST_DURATION_SHARE = 1e-3
@@ -38,39 +36,37 @@ SPARE_SHARE = 0.01
 
 
 @dataclass(frozen=True)
-class Setting:
-    """Everything about a scene that stays the same while mu shrinks.
+class Formulation:
+    """Everything about a problem that stays the same while mu shrinks.
 
     Attributes:
         padding: relative enlargement of all distances, so that what is left at the end is positive
             for any reader's rounding; small enough for the seed to stay feasible.
     """
 
-    scene: Scene
-    free_space: FreeSpace | None
-    interactions: Interactions
+    problem: PlanningProblem
     layout: KnotLayout
     scales: Scales
     limits: Limits
-    appointments: Appointments
+    timed: TimedConstraints
     padding: float
 
 
 def build_limits(
-    scene: Scene,
+    problem: PlanningProblem,
     layout: KnotLayout,
     seed: FloatArray,
-    appointments: Appointments,
+    timed: TimedConstraints,
     *,
-    timed: bool = True,
+    free_times: bool = False,
 ) -> Limits:
     """Bounds around `seed` (M, 3): fixed starts, goals, waypoints and paths; latest arrivals.
 
-    Unless `timed`, visits and meetings are free in time.
+    With `free_times`, visits and meetings are bound in place only.
     """
     lower = np.full(seed.shape, -2e19)
     upper = np.full(seed.shape, 2e19)
-    for a, agent in enumerate(scene.agents):
+    for a, agent in enumerate(problem.scene.agents):
         first, last = layout.first[a], layout.last[a]
         own = slice(first, last + 1)
         if agent.path is not None:
@@ -79,36 +75,35 @@ def build_limits(
         lower[first] = upper[first] = seed[first]
         lower[last, :2] = upper[last, :2] = seed[last, :2]
         upper[last, 2] = agent.max_time
-    places = appointments.places
-    lower[places, :2] = upper[places, :2] = seed[places, :2]
+    lower[timed.places, :2] = upper[timed.places, :2] = seed[timed.places, :2]
     step = seed[layout.segment + 1, 2] - seed[layout.segment, 2]
     mean = ((seed[layout.last, 2] - seed[layout.first, 2]) / layout.num_segments)[
         layout.agent_of_segment
     ]
     least = np.minimum(LEAST_DURATION_SHARE * mean, SEED_DURATION_SHARE * step)
-    irregular = np.array([agent.weights.regularity == 0.0 for agent in scene.agents])
+    irregular = np.array([agent.weights.regularity == 0.0 for agent in problem.scene.agents])
     guarded = irregular[layout.agent_of_segment]
-    dwelling = np.searchsorted(layout.segment, appointments.stays[:, 0])
-    share = _greatest_shares(scene, layout, step)
+    dwelling = np.searchsorted(layout.segment, timed.stays[:, 0])
+    share = _greatest_shares(problem, layout, step)
     share[dwelling] = np.inf
-    if not timed:
+    if free_times:
         no_links = np.empty((0, 2), dtype=np.int64)
         return Limits(lower, upper, least, np.flatnonzero(guarded), no_links, share)
-    windowed, window = appointments.windowed, appointments.window
+    windowed, window = timed.windowed, timed.window
     lower[windowed, 2] = np.maximum(lower[windowed, 2], window[:, 0])
     upper[windowed, 2] = np.minimum(upper[windowed, 2], window[:, 1])
-    least[dwelling] = appointments.dwell
+    least[dwelling] = timed.dwell
     guarded[dwelling] = True
-    return Limits(lower, upper, least, np.flatnonzero(guarded), appointments.links, share)
+    return Limits(lower, upper, least, np.flatnonzero(guarded), timed.links, share)
 
 
-def _greatest_shares(scene: Scene, layout: KnotLayout, step: FloatArray) -> FloatArray:
+def _greatest_shares(problem: PlanningProblem, layout: KnotLayout, step: FloatArray) -> FloatArray:
     """(S,) parts of an agent's duration that its segments may last, given the seed's `step` (S,) in s.
 
     A long segment would hide how fast an agent has to speed up: where acceleration is limited, none lasts
     longer than twice the mean, or hardly longer than in the seed.
     """
-    limited = np.array([agent.max_acceleration is not None for agent in scene.agents])
+    limited = np.array([agent.max_acceleration is not None for agent in problem.scene.agents])
     whole = np.bincount(layout.agent_of_segment, step, layout.num_agents)
     own = np.maximum(
         LONGEST_SHARE / layout.num_segments[layout.agent_of_segment],
@@ -118,10 +113,10 @@ def _greatest_shares(scene: Scene, layout: KnotLayout, step: FloatArray) -> Floa
 
 
 class Assembly:
-    """Builds problems for a setting, keeping alphas from one to the next."""
+    """Builds programs for a formulation, keeping alphas from one to the next."""
 
-    def __init__(self, setting: Setting) -> None:
-        self._setting = setting
+    def __init__(self, formulation: Formulation) -> None:
+        self._formulation = formulation
         self._pair_alphas: FloatArray | None = None
         self._wall_alphas: FloatArray | None = None
 
@@ -129,43 +124,47 @@ class Assembly:
         self, knots: FloatArray, mu: float, watch: Stopwatch, damping: float = 0.0
     ) -> Problem:
         """The program at barrier weight `mu`, its structure made around feasible `knots` (M, 3)."""
-        setting = self._setting
-        exact = setting.scene.solver.hessian == "exact"
+        formulation = self._formulation
+        exact = formulation.problem.scene.solver.hessian == "exact"
         terms = [
             *self.own_terms(),
             *self.interaction_terms(knots, mu),
             *self.limit_terms(Barrier(mu)),
         ]
-        return Problem(setting.layout, terms, setting.limits, exact, watch, self.stiffness, damping)
+        return Problem(
+            formulation.layout, terms, formulation.limits, exact, watch, self.stiffness, damping
+        )
 
     @property
     def stiffness(self) -> FloatArray:
         """(3 M,) kinetic second derivatives of every variable in order of size, for damping."""
-        setting = self._setting
-        axes = np.array([1.0, 1.0, setting.scene.time_scale**2])
-        own = setting.scales.stiffness[setting.layout.agent_of_knot]
+        formulation = self._formulation
+        axes = np.array([1.0, 1.0, formulation.problem.scene.time_scale**2])
+        own = formulation.scales.stiffness[formulation.layout.agent_of_knot]
         return (own[:, None] * axes).ravel()
 
     def own_terms(self) -> list[Term]:
         """The costs of single agents."""
-        setting = self._setting
-        agents = setting.scene.agents
-        layout = setting.layout
+        formulation = self._formulation
+        agents = formulation.problem.scene.agents
+        layout = formulation.layout
 
         def weights(name: str) -> FloatArray:
             return np.array([getattr(agent.weights, name) for agent in agents], dtype=np.float64)
 
         terms: list[Term] = [
-            Kinetic(layout, weights("kinetic"), np.array([agent.mass for agent in agents])),
+            Kinetic(layout, weights("kinetic"), formulation.problem.masses),
             Regularity(
                 layout,
-                setting.scales.regularity,
-                np.array([agent.start_time for agent in agents]),
-                exact=setting.scene.solver.hessian == "exact",
+                formulation.scales.regularity,
+                formulation.problem.start_times,
+                exact=formulation.problem.scene.solver.hessian == "exact",
             ),
         ]
         if weights("acceleration").any():
-            terms.append(Acceleration(layout, weights("acceleration"), setting.scene.time_scale))
+            terms.append(
+                Acceleration(layout, weights("acceleration"), formulation.problem.scene.time_scale)
+            )
         if weights("arrival").any():
             preferred = [agent.preferred_time or 0.0 for agent in agents]
             terms.append(Arrival(layout, weights("arrival"), np.array(preferred)))
@@ -173,11 +172,11 @@ class Assembly:
 
     def limit_terms(self, profile: Profile) -> list[Limit]:
         """Limits of speed, acceleration and of the distance at meetings, as the scene has them."""
-        setting = self._setting
-        layout, appointments = setting.layout, setting.appointments
+        formulation = self._formulation
+        layout, timed = formulation.layout, formulation.timed
 
         def limits(name: str) -> FloatArray:
-            found = [getattr(agent, name) for agent in setting.scene.agents]
+            found = [getattr(agent, name) for agent in formulation.problem.scene.agents]
             return np.array([np.inf if value is None else value for value in found])
 
         speeds, accelerations = limits("max_speed"), limits("max_acceleration")
@@ -187,54 +186,55 @@ class Assembly:
         if np.isfinite(accelerations).any():
             terms.append(AccelerationLimit(layout, accelerations, profile))
             terms.append(RestLimit(layout, accelerations, profile))
-        if len(appointments.links):
-            links, within = appointments.links, appointments.within
+        if len(timed.links):
+            links, within = timed.links, timed.within
             terms.append(MeetingLimit(links, within, profile, layout.num_knots))
         return terms
 
     def rods(self, knots: FloatArray) -> Rods:
         """Segments and tails of the scene's rods."""
-        scene = self._setting.scene
-        stays = [a for a, agent in enumerate(scene.agents) if agent.after_arrival == "stay"]
+        problem = self._formulation.problem
         return Rods.build(
-            self._setting.layout,
+            self._formulation.layout,
             knots,
-            np.array(stays, dtype=np.int64),
-            scene.final_time,
-            scene.time_scale,
+            np.flatnonzero(problem.stays),
+            problem.final_time,
+            problem.time_scale,
         )
 
     def interaction_terms(self, knots: FloatArray, mu: float) -> list[Term]:
         """The costs of pairs and walls."""
-        setting = self._setting
-        solver = setting.scene.solver
+        formulation = self._formulation
+        solver = formulation.problem.scene.solver
         alpha_0 = solver.alpha if solver.clearance_model == "smooth-minimum" else None
         exact = solver.hessian == "exact"
         rods = self.rods(knots)
         terms: list[Term] = []
-        if setting.interactions.collides.any():
+        if formulation.problem.interactions.collides.any():
             padded = replace(
-                setting.interactions,
-                distance=setting.interactions.distance * (1 + setting.padding),
+                formulation.problem.interactions,
+                distance=formulation.problem.interactions.distance * (1 + formulation.padding),
             )
             collision = Collision(
-                knots, rods, padded, mu, setting.scales.pair_reach,
+                knots, rods, padded, mu, formulation.scales.pair_reach,
                 alpha_0=alpha_0, exact=exact, alphas=self._pair_alphas,
             )  # fmt: skip
             self._pair_alphas = collision.alphas
             terms.append(collision)
-        walls = np.array([agent.weights.wall for agent in setting.scene.agents])
-        # Agents whose path is given move as told: their walls are theirs.
-        walls[[agent.path is not None for agent in setting.scene.agents]] = 0.0
-        if setting.free_space is not None and walls.any():
-            radii = np.array([agent.radius for agent in setting.scene.agents])
+        walls = np.array([agent.weights.wall for agent in formulation.problem.scene.agents])
+        # Where motion is prescribed, its walls are no concern of the planner.
+        walls[formulation.problem.prescribed] = 0.0
+        if formulation.problem.free_space is not None and walls.any():
+            radii = formulation.problem.radii
             wall = Wall(
-                knots, setting.layout, setting.free_space.boundary_vertices,
-                setting.free_space.boundary_edges, radii * (1 + setting.padding), walls, mu,
-                setting.scales.wall_reach, alpha_0=alpha_0, exact=exact, alphas=self._wall_alphas,
+                knots, formulation.layout, formulation.problem.free_space.boundary_vertices,
+                formulation.problem.free_space.boundary_edges, radii * (1 + formulation.padding), walls, mu,
+                formulation.scales.wall_reach, alpha_0=alpha_0, exact=exact, alphas=self._wall_alphas,
             )  # fmt: skip
             self._wall_alphas = wall.alphas
             terms.append(wall)
-        if setting.interactions.grouping.any():
-            terms.append(Grouping(knots, rods, setting.interactions, solver.alpha, exact=exact))
+        if formulation.problem.interactions.grouping.any():
+            terms.append(
+                Grouping(knots, rods, formulation.problem.interactions, solver.alpha, exact=exact)
+            )
         return terms

@@ -16,15 +16,14 @@ from stplan.costs.term import Term
 from stplan.nlp.ipopt.adapter import FAILURES, IpoptResult, Iteration, Multipliers, solve
 from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
 from stplan.nlp.problem import Problem, Stopwatch
-from stplan.optimize.assembly import Assembly, Setting, build_limits
+from stplan.optimize.assembly import Assembly, Formulation, build_limits
 from stplan.optimize.scales import derive_scales
-from stplan.optimize.timed_constraints import find_appointments
+from stplan.optimize.timed_constraints import find_timed_constraints
 from stplan.problem.layout import KnotLayout
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
-from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Scene
 from stplan.seeding.rendezvous import MeetingPlace
-from stplan.world import FreeSpace
 
 LiveLine = Callable[[Callable[[], str]], None]
 
@@ -114,12 +113,11 @@ class _Stop:
 
 
 def optimise(
-    scene: Scene,
-    free_space: FreeSpace | None,
+    problem: PlanningProblem,
     seed: WorldLines,
     *,
     progress: Callable[[str], None],
-    interrupted: Callable[[], bool],
+    stop: Callable[[], bool],
     observe: Observer | None = None,
     live: LiveLine | None = None,
 ) -> Optimisation:
@@ -127,7 +125,7 @@ def optimise(
 
     Args:
         progress: called with one line an outer iteration.
-        interrupted: asked after every iteration; True ends with the best feasible curves.
+        stop: asked after every iteration; True ends with the best feasible curves.
         observe: called with the knots (M, 3) and the terms of the objective after every iteration.
         live: given a maker of the same line after every iteration, to be called at once or not at all.
 
@@ -135,46 +133,42 @@ def optimise(
         SolverError: Ipopt lacks the linear solver or an option asked for.
     """
     layout = KnotLayout.from_offsets(seed.offsets)
-    setting = build_setting(scene, free_space, layout, seed.knots)
-    loop = _Loop(setting, seed.knots, progress, interrupted, observe, live)
+    formulation = formulate(problem, layout, seed.knots)
+    loop = _Loop(formulation, seed.knots, progress, stop, observe, live)
     loop.run()
     return loop.result(seed)
 
 
-def build_setting(
-    scene: Scene,
-    free_space: FreeSpace | None,
+def formulate(
+    problem: PlanningProblem,
     layout: KnotLayout,
     knots: FloatArray,
     *,
-    timed: bool = True,
+    free_times: bool = False,
     planned: Sequence[MeetingPlace] = (),
-) -> Setting:
-    """What stays the same while `scene` is optimised from seed `knots` (M, 3).
+) -> Formulation:
+    """What stays the same while `problem` is optimised from seed `knots` (M, 3).
 
-    Unless `timed`, visits and meetings are free in time. Pairs with a `planned` place meet there.
+    With `free_times`, visits and meetings are bound in place only. Pairs with a `planned` place meet there.
     """
-    interactions = scene_interactions(scene)
-    appointments = find_appointments(scene, free_space, layout, knots, planned)
-    setting = Setting(
-        scene=scene,
-        free_space=free_space,
-        interactions=interactions,
+    timed = find_timed_constraints(problem, layout, knots, planned)
+    formulation = Formulation(
+        problem=problem,
         layout=layout,
-        scales=derive_scales(scene, interactions, layout, knots),
-        limits=build_limits(scene, layout, knots, appointments, timed=timed),
-        appointments=appointments,
+        scales=derive_scales(problem, layout, knots),
+        limits=build_limits(problem, layout, knots, timed, free_times=free_times),
+        timed=timed,
         padding=0.0,
     )
-    return _padded(setting, knots)
+    return _padded(formulation, knots)
 
 
-def _padded(setting: Setting, knots: FloatArray) -> Setting:
-    """The setting with as much padding as the seed's clearance allows."""
-    terms = Assembly(setting).interaction_terms(knots, 0.0)
+def _padded(formulation: Formulation, knots: FloatArray) -> Formulation:
+    """The formulation with as much padding as the seed's clearance allows."""
+    terms = Assembly(formulation).interaction_terms(knots, 0.0)
     least = _least_clearance(terms, knots)
-    widest = float(setting.interactions.distance.max())
-    return replace(setting, padding=float(min(PADDING, 0.5 * max(least, 0.0) / widest)))
+    widest = float(formulation.problem.distance.max())
+    return replace(formulation, padding=float(min(PADDING, 0.5 * max(least, 0.0) / widest)))
 
 
 def _least_clearance(terms: Sequence[Term], knots: FloatArray) -> float:
@@ -186,21 +180,21 @@ def _least_clearance(terms: Sequence[Term], knots: FloatArray) -> float:
 class _Loop:
     def __init__(
         self,
-        setting: Setting,
+        formulation: Formulation,
         knots: FloatArray,
         progress: Callable[[str], None],
         interrupted: Callable[[], bool],
         observe: Observer | None,
         live: LiveLine | None,
     ) -> None:
-        self._setting = setting
-        self._assembly = Assembly(setting)
+        self._formulation = formulation
+        self._assembly = Assembly(formulation)
         self._knots = knots
         self._progress = progress
         self._interrupted = interrupted
         self._observe = observe
         self._live = live
-        self._linear_solver = chosen_linear_solver(setting.scene)
+        self._linear_solver = chosen_linear_solver(formulation.problem.scene)
         self._watch = Stopwatch()
         self._record: list[dict[str, Any]] = []
         self._status = "converged"
@@ -208,12 +202,12 @@ class _Loop:
         self._nonzeros = 0
         self._terms: Sequence[Term] = ()
         # What the regularity term costs at its best: no part of the objective worth converging.
-        self._floor = float((setting.scales.regularity * setting.layout.num_segments).sum())
+        self._floor = float((formulation.scales.regularity * formulation.layout.num_segments).sum())
 
     def run(self) -> None:
         """All outer iterations, or until one is interrupted or fails."""
-        solver = self._setting.scene.solver
-        mu = self._setting.scales.mu
+        solver = self._formulation.problem.scene.solver
+        mu = self._formulation.scales.mu
         for outer in range(solver.outer_iterations):
             before = self._status
             self._outer_iteration(outer, mu)
@@ -226,7 +220,7 @@ class _Loop:
             mu *= solver.mu_decay
 
     def _outer_iteration(self, outer: int, mu: float) -> None:
-        solver = self._setting.scene.solver
+        solver = self._formulation.problem.scene.solver
         left = solver.max_iterations
         multipliers: Multipliers | None = None
         ipopt_mu: float | None = None
@@ -234,7 +228,7 @@ class _Loop:
         damping = 0.0
         before: float | None = None
         patience = AT_THE_END if outer == solver.outer_iterations - 1 else ON_THE_WAY
-        stop = _Stop(self._setting.scene, self._floor, patience, self._interrupted)
+        stop = _Stop(self._formulation.problem.scene, self._floor, patience, self._interrupted)
         while True:
             problem = self._assembly.problem(self._knots, mu, self._watch, damping)
             self._nonzeros = max(self._nonzeros, len(problem.hessian_rows))
@@ -272,7 +266,7 @@ class _Loop:
 
     def _line(self, outer: int, mu: float, objective: float, least: float, used: int) -> str:
         return (
-            f"outer {outer + 1}/{self._setting.scene.solver.outer_iterations}  mu {mu:.3g}  "
+            f"outer {outer + 1}/{self._formulation.problem.scene.solver.outer_iterations}  mu {mu:.3g}  "
             f"objective {objective:.6g}  rod clearance {least:.3g} m  {used} iterations"
         )
 
@@ -304,13 +298,13 @@ class _Loop:
         multipliers: Multipliers | None,
         ipopt_mu: float | None,
     ) -> IpoptResult:
-        solver = self._setting.scene.solver
+        solver = self._formulation.problem.scene.solver
         return solve(
             problem,
             self._knots,
             max_iterations=left,
             linear_solver=self._linear_solver,
-            objective_scale=1.0 / self._setting.scales.energy,
+            objective_scale=1.0 / self._formulation.scales.energy,
             limited_memory=solver.hessian == "limited-memory",
             options=solver.ipopt,
             stop=stop,

@@ -19,16 +19,15 @@ from stplan.costs.timing import NONE, Timing
 from stplan.nlp.ipopt.adapter import Iteration, solve
 from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
 from stplan.nlp.problem import Problem
-from stplan.optimize.assembly import Assembly, Setting
-from stplan.optimize.continuation import build_setting
+from stplan.optimize.assembly import Assembly, Formulation
+from stplan.optimize.continuation import formulate
 from stplan.optimize.timed_constraints import visit_knots
 from stplan.problem.layout import KnotLayout
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
-from stplan.scene.interactions import scene_meetings
-from stplan.scene.model import Agent, Scene
+from stplan.scene.model import Agent
 from stplan.seeding.rendezvous import MeetingPlace
 from stplan.seeding.shortcutting.resampling import resample_curve
-from stplan.world import FreeSpace
 
 # Weights of the penalties, in mean kinetic costs; and iterations spent on each of them.
 WEIGHTS = (1.0, 10.0, 100.0, 1e3, 1e4, 1e5)
@@ -41,65 +40,67 @@ INSET = 0.02
 # A dwelling agent's second knot starts out this part of the next segment after the first, the first
 # part that leaves everybody clear.
 SPLITS = (0.2, 0.02, 1e-3, 1e-5)
-# Knots at least of a given path along which somebody has to be met.
-KNOTS_OF_TOLD = 60
+# Least number of knots of a prescribed path along which somebody has to be met.
+PRESCRIBED_KNOTS = 60
 # A round ends when the objective falls by less than this share over so many iterations.
 STALL_WINDOW = 6
 STALL = 1e-3
 REBUILD_EVERY = 4
 
 
-def asks_for_more(scene: Scene) -> bool:
-    """Whether `scene` asks more of curves than that they are clear."""
+def asks_for_more(problem: PlanningProblem) -> bool:
+    """Whether `problem` asks more of curves than that they are clear."""
     moving = any(
         agent.max_speed is not None or agent.max_acceleration is not None or agent.visits
-        for agent in scene.agents
+        for agent in problem.scene.agents
     )
-    return moving or bool(scene_meetings(scene))
+    return moving or bool(problem.meetings)
 
 
-def settle(
-    scene: Scene,
-    free_space: FreeSpace | None,
+def restore(
+    problem: PlanningProblem,
     seed: WorldLines,
     planned: Sequence[MeetingPlace] = (),
     *,
     progress: Callable[[str], None],
-    interrupted: Callable[[], bool],
+    stop: Callable[[], bool],
 ) -> WorldLines:
-    """`seed` with knots for its appointments, keeping the scene's limits where that was reached.
+    """`seed` with knots for its timed constraints, keeping the scene's limits where that was reached.
 
-    Whether it was is for the certificate to say. Pairs with a `planned` place meet there.
+    Whether it was is for the certificate to say. `stop` is asked after every iteration. Pairs with a
+    `planned` place meet there.
     """
-    if not asks_for_more(scene):
+    if not asks_for_more(problem):
         return seed
-    lines = _with_dwells(scene, free_space, _with_knots_of_told(scene, seed))
+    lines = _with_dwells(problem, _with_prescribed_knots(problem, seed))
     layout = KnotLayout.from_offsets(lines.offsets)
-    setting = build_setting(scene, free_space, layout, lines.knots, timed=False, planned=planned)
-    rounds = _Rounds(setting, lines.knots, interrupted)
+    formulation = formulate(problem, layout, lines.knots, free_times=True, planned=planned)
+    rounds = _Rounds(formulation, lines.knots, stop)
     for number, weight in enumerate(WEIGHTS, start=1):
-        if rounds.content() or interrupted():
+        if rounds.content() or stop():
             break
-        progress(f"settling speeds and times, round {number}: {rounds.state()}")
+        progress(f"restoring speeds and times, round {number}: {rounds.state()}")
         rounds.run(weight)
     if not rounds.content():
         return lines.with_knots(rounds.knots)
-    links = setting.appointments.links
-    return lines.with_knots(_on_time(scene, layout, rounds.knots, links))
+    links = formulation.timed.links
+    return lines.with_knots(_on_time(problem, layout, rounds.knots, links))
 
 
 class _Rounds:
     """Penalised problems around the current knots."""
 
     def __init__(
-        self, setting: Setting, knots: FloatArray, interrupted: Callable[[], bool]
+        self, formulation: Formulation, knots: FloatArray, stop: Callable[[], bool]
     ) -> None:
-        self._setting = setting
-        self._interrupted = interrupted
-        self._assembly = Assembly(setting)
+        self._formulation = formulation
+        self._stop = stop
+        self._assembly = Assembly(formulation)
         self.knots = knots
         self._inset = INSET * float(
-            np.median(knots[setting.layout.segment + 1, 2] - knots[setting.layout.segment, 2])
+            np.median(
+                knots[formulation.layout.segment + 1, 2] - knots[formulation.layout.segment, 2]
+            )
         )
 
     def content(self, knots: FloatArray | None = None) -> bool:
@@ -121,7 +122,7 @@ class _Rounds:
 
     def run(self, weight: float) -> None:
         """One round at a penalty weight."""
-        setting, scales = self._setting, self._setting.scales
+        formulation, scales = self._formulation, self._formulation.scales
         kept = ("kinetic", "regularity")
         terms = [term for term in self._assembly.own_terms() if term.name in kept]
         terms += self._assembly.interaction_terms(self.knots, scales.mu)
@@ -129,22 +130,24 @@ class _Rounds:
         # A time that is off by a mean duration weighs like a limit exceeded by its whole.
         unit = (self._inset / INSET) ** 2
         terms.append(self._timing(weight * scales.energy / unit, self._inset, 0.0))
-        problem = Problem(setting.layout, terms, setting.limits, stiffness=self._assembly.stiffness)
+        problem = Problem(
+            formulation.layout, terms, formulation.limits, stiffness=self._assembly.stiffness
+        )
         outcome = solve(
             problem,
             self.knots,
             max_iterations=ITERATIONS,
-            linear_solver=chosen_linear_solver(setting.scene),
+            linear_solver=chosen_linear_solver(formulation.problem.scene),
             objective_scale=1.0 / (scales.energy * max(1.0, 0.01 * weight)),
             limited_memory=False,
             options={},
-            stop=_Content(self, problem, self._interrupted),
+            stop=_Content(self, problem, self._stop),
         )
         self.knots = outcome.knots
 
     def _timing(self, weight: float, inset: float, apart: float) -> Timing:
         """Penalties of visits less than `inset` inside their times, of meetings more than `apart` (s)."""
-        found = self._setting.appointments
+        found = self._formulation.timed
         inside = np.minimum(inset, 0.25 * np.ptp(found.window, axis=1))
         alone = np.column_stack([np.full_like(found.windowed, NONE), found.windowed])
         links = np.full(len(found.links), apart)
@@ -155,21 +158,21 @@ class _Rounds:
             np.concatenate(low),
             np.concatenate(high),
             weight,
-            self._setting.layout.num_knots,
+            self._formulation.layout.num_knots,
         )
 
 
 class _Content:
     """Ends a round as soon as all limits are kept, or where it gets no further."""
 
-    def __init__(self, rounds: _Rounds, problem: Problem, interrupted: Callable[[], bool]) -> None:
-        self._rounds, self._problem, self._interrupted = rounds, problem, interrupted
+    def __init__(self, rounds: _Rounds, problem: Problem, stop: Callable[[], bool]) -> None:
+        self._rounds, self._problem, self._stop = rounds, problem, stop
         self._values: list[float] = []
 
     def __call__(self, iteration: Iteration) -> bool:
         self._values.append(iteration.objective)
         stale = iteration.number >= REBUILD_EVERY and self._problem.is_stale()
-        if stale or self._interrupted() or self._rounds.content(iteration.knots):
+        if stale or self._stop() or self._rounds.content(iteration.knots):
             return True
         if len(self._values) <= STALL_WINDOW:
             return False
@@ -177,30 +180,30 @@ class _Content:
         return fall <= STALL * abs(self._values[-1])
 
 
-def _with_knots_of_told(scene: Scene, seed: WorldLines) -> WorldLines:
-    """`seed` with knots along the given paths of agents that somebody has to meet."""
-    met = {agent for meeting in scene_meetings(scene) for agent in (meeting.first, meeting.second)}
+def _with_prescribed_knots(problem: PlanningProblem, seed: WorldLines) -> WorldLines:
+    """`seed` with knots along the prescribed paths of agents that somebody has to meet."""
+    met = {agent for meeting in problem.meetings for agent in (meeting.first, meeting.second)}
     curves = [
-        resample_curve(curve, KNOTS_OF_TOLD) if agent.path is not None and a in met else curve
-        for a, (agent, curve) in enumerate(zip(scene.agents, seed.curves(), strict=True))
+        resample_curve(curve, PRESCRIBED_KNOTS) if agent.path is not None and a in met else curve
+        for a, (agent, curve) in enumerate(zip(problem.scene.agents, seed.curves(), strict=True))
     ]
     return WorldLines.from_curves(seed.agent_ids, curves)
 
 
-def _with_dwells(scene: Scene, free_space: FreeSpace | None, seed: WorldLines) -> WorldLines:
+def _with_dwells(problem: PlanningProblem, seed: WorldLines) -> WorldLines:
     """`seed` with a second knot on every waypoint at which an agent dwells, soon after the first."""
-    if not any(visit.dwell > 0 for agent in scene.agents for visit in agent.visits):
+    if not any(visit.dwell > 0 for agent in problem.scene.agents for visit in agent.visits):
         return seed
     lines = seed
     for part in SPLITS:
         curves = [
             _dwelling(agent, curve, part)
-            for agent, curve in zip(scene.agents, seed.curves(), strict=True)
+            for agent, curve in zip(problem.scene.agents, seed.curves(), strict=True)
         ]
         lines = WorldLines.from_curves(seed.agent_ids, curves)
         layout = KnotLayout.from_offsets(lines.offsets)
-        setting = build_setting(scene, free_space, layout, lines.knots, timed=False)
-        terms = Assembly(setting).interaction_terms(lines.knots, 1.0)
+        formulation = formulate(problem, layout, lines.knots, free_times=True)
+        terms = Assembly(formulation).interaction_terms(lines.knots, 1.0)
         if all(np.isfinite(term.value(lines.knots)) for term in terms):
             break
     return lines
@@ -223,17 +226,19 @@ def _dwelling(agent: Agent, curve: FloatArray, part: float) -> FloatArray:
     return curve
 
 
-def _on_time(scene: Scene, layout: KnotLayout, knots: FloatArray, links: IntArray) -> FloatArray:
-    """`knots` with exactly one time for all knots of a meeting: that of a given path, or the mean."""
+def _on_time(
+    problem: PlanningProblem, layout: KnotLayout, knots: FloatArray, links: IntArray
+) -> FloatArray:
+    """`knots` with exactly one time for all knots of a meeting: that of a prescribed path, or the mean."""
     result = knots.copy()
     if not len(links):
         return result
-    given = np.array([agent.path is not None for agent in scene.agents])[layout.agent_of_knot]
+    given = problem.prescribed[layout.agent_of_knot]
     shape = (layout.num_knots, layout.num_knots)
     graph = csr_array((np.ones(len(links)), (links[:, 0], links[:, 1])), shape=shape)
     _, part_of = connected_components(graph, directed=False)
     for part in np.unique(part_of[links[:, 0]]):
         own = np.flatnonzero(part_of == part)
-        told = own[given[own]]
-        result[own, 2] = knots[told[0] if len(told) else own, 2].mean()
+        prescribed = own[given[own]]
+        result[own, 2] = knots[prescribed[0] if len(prescribed) else own, 2].mean()
     return result

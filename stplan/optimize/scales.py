@@ -14,8 +14,7 @@ import numpy as np
 from stplan.arrays import FloatArray
 from stplan.costs.kinetic import Kinetic
 from stplan.problem.layout import KnotLayout
-from stplan.scene.interactions import Interactions
-from stplan.scene.model import Scene
+from stplan.problem.planning_problem import PlanningProblem
 
 # mu of the first outer iteration over E.
 MU_SHARE = 1e-3
@@ -49,12 +48,11 @@ class Scales:
     wall_reach: FloatArray
 
 
-def derive_scales(
-    scene: Scene, interactions: Interactions, layout: KnotLayout, knots: FloatArray
-) -> Scales:
-    """Scales for `scene` from its seed `knots` (M, 3)."""
+def derive_scales(problem: PlanningProblem, layout: KnotLayout, knots: FloatArray) -> Scales:
+    """Scales for `problem` from its seed `knots` (M, 3)."""
+    scene, interactions = problem.scene, problem.interactions
+    masses, radii = problem.masses, problem.radii
     weights = np.array([agent.weights.kinetic for agent in scene.agents])
-    masses = np.array([agent.mass for agent in scene.agents])
     own = Kinetic(layout, weights, masses).per_agent(knots)
     energy = float(own.mean())
     if energy <= 0.0:
@@ -69,7 +67,6 @@ def derive_scales(
         ]
     )
     durations = knots[layout.last, 2] - knots[layout.first, 2]
-    radii = np.array([agent.radius for agent in scene.agents])
     given = scene.solver.barrier_range
     return Scales(
         energy=energy,

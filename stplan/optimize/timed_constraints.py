@@ -1,4 +1,4 @@
-"""Which knots of a seed keep its appointments: visits of waypoints, and meetings of pairs."""
+"""Which knots of a seed are bound in place or time: at visits of waypoints and meetings of pairs."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stplan.arrays import FloatArray, IntArray
+from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.problem.layout import KnotLayout
-from stplan.scene.interactions import Meeting, scene_meetings
-from stplan.scene.model import Agent, Scene, Visit
+from stplan.problem.planning_problem import PlanningProblem
+from stplan.scene.interactions import Meeting
+from stplan.scene.model import Agent, Visit
 from stplan.seeding.rendezvous import MeetingPlace
-from stplan.world import FreeSpace
 
 # A waypoint is the knot of the seed nearest to it, which must lie this close (m).
 WAYPOINT_TOLERANCE = 1e-9
@@ -23,7 +23,7 @@ FAR = 1e9
 
 
 @dataclass(frozen=True)
-class Appointments:
+class TimedConstraints:
     """Knots with a place or a time of their own.
 
     Attributes:
@@ -42,14 +42,13 @@ class Appointments:
     within: FloatArray
 
 
-def find_appointments(
-    scene: Scene,
-    free_space: FreeSpace | None,
+def find_timed_constraints(
+    problem: PlanningProblem,
     layout: KnotLayout,
     knots: FloatArray,
     planned: Sequence[MeetingPlace] = (),
-) -> Appointments:
-    """The appointments of `scene` among `knots` (M, 3), where the curves keep or nearly keep them.
+) -> TimedConstraints:
+    """The timed constraints of `problem` among `knots` (M, 3), where the curves nearly keep them.
 
     Pairs with a `planned` place meet there, others at the knots nearest in place and time.
     """
@@ -57,7 +56,7 @@ def find_appointments(
     stays: list[tuple[int, int]] = []
     dwell: list[float] = []
     windowed: list[tuple[int, tuple[float, float]]] = []
-    for a, agent in enumerate(scene.agents):
+    for a, agent in enumerate(problem.scene.agents):
         if agent.path is not None:
             continue
         first = int(layout.first[a])
@@ -73,23 +72,23 @@ def find_appointments(
                 windowed += [(knot, visit.window) for knot in own]
     links: list[tuple[int, int]] = []
     within: list[float] = []
-    told = [agent.path is not None for agent in scene.agents]
+    prescribed = problem.prescribed
     places_of = {place.agents: place for place in planned}
-    for meeting in scene_meetings(scene):
-        if told[meeting.first] and told[meeting.second]:
+    for meeting in problem.meetings:
+        if prescribed[meeting.first] and prescribed[meeting.second]:
             continue
         place = places_of.get((meeting.first, meeting.second))
         link = (
-            _meeting_knots(free_space, layout, knots, meeting, scene.time_scale)
+            _meeting_knots(problem, layout, knots, meeting)
             if place is None
-            else _planned_knots(layout, knots, told, place)
+            else _planned_knots(layout, knots, prescribed, place)
         )
         links.append(link)
         within.append(meeting.meet.within)
         if meeting.meet.window is not None:
-            free = [knot for knot in link if not told[layout.agent_of_knot[knot]]]
+            free = [knot for knot in link if not prescribed[layout.agent_of_knot[knot]]]
             windowed += [(knot, meeting.meet.window) for knot in free]
-    return Appointments(
+    return TimedConstraints(
         places=np.array(places, dtype=np.int64),
         stays=np.array(stays, dtype=np.int64).reshape(-1, 2),
         dwell=np.array(dwell, dtype=np.float64),
@@ -121,11 +120,10 @@ def visit_knots(agent: Agent, curve: FloatArray) -> list[tuple[int, int]]:
 
 
 def _meeting_knots(
-    free_space: FreeSpace | None,
+    problem: PlanningProblem,
     layout: KnotLayout,
     knots: FloatArray,
     meeting: Meeting,
-    time_scale: float,
 ) -> tuple[int, int]:
     """The nearest knots of two agents at a common time, or else the two nearest in time and place."""
     begins = layout.first[meeting.first], layout.first[meeting.second]
@@ -138,12 +136,12 @@ def _meeting_knots(
         low, high = meeting.meet.window
         late = late + np.maximum(np.maximum(low - own[:, 2], own[:, 2] - high), 0.0)[:, None]
     # Those who meet already come first; nobody moves from a start, and nobody is drawn through a wall.
-    order = np.hypot(apart, time_scale * late)
-    if free_space is not None:
+    order = np.hypot(apart, problem.time_scale * late)
+    if problem.free_space is not None:
         heads, tails = (
             x.reshape(-1, 2) for x in np.broadcast_arrays(own[:, None, :2], other[None, :, :2])
         )
-        hidden = free_space.segment_clearance(heads, tails) <= 0
+        hidden = problem.free_space.segment_clearance(heads, tails) <= 0
         order[hidden.reshape(order.shape)] += FAR
     order[0] += FAR
     order[:, 0] += FAR
@@ -154,12 +152,16 @@ def _meeting_knots(
 
 
 def _planned_knots(
-    layout: KnotLayout, knots: FloatArray, told: Sequence[bool], place: MeetingPlace
+    layout: KnotLayout, knots: FloatArray, prescribed: BoolArray, place: MeetingPlace
 ) -> tuple[int, int]:
-    """The knots at a planned place: in space, or in time for an agent that moves as told."""
+    """The knots at a planned place: in space, or in time for an agent whose motion is prescribed."""
     found = []
     for agent, point in zip(place.agents, place.places, strict=True):
         own = knots[layout.first[agent] : layout.last[agent] + 1]
-        off = np.abs(own[:, 2] - place.time) if told[agent] else np.hypot(*(own[:, :2] - point).T)
+        off = (
+            np.abs(own[:, 2] - place.time)
+            if prescribed[agent]
+            else np.hypot(*(own[:, :2] - point).T)
+        )
         found.append(int(layout.first[agent]) + int(off.argmin()))
     return found[0], found[1]

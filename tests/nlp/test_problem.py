@@ -10,10 +10,10 @@ import pytest
 from stplan.arrays import FloatArray, IntArray
 from stplan.nlp.ipopt.adapter import solve
 from stplan.nlp.problem import Problem, Stopwatch
-from stplan.optimize.assembly import Assembly, Setting, build_limits
+from stplan.optimize.assembly import Assembly, Formulation, build_limits
 from stplan.optimize.scales import derive_scales
-from stplan.optimize.timed_constraints import find_appointments, visit_knots
-from stplan.scene.interactions import scene_interactions
+from stplan.optimize.timed_constraints import find_timed_constraints, visit_knots
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.model import (
     Agent,
     Meet,
@@ -83,14 +83,13 @@ def limited_scene(**solver: object) -> Scene:
 def sample_problem(limited: bool = False, **solver: object) -> Problem:
     scene = limited_scene(**solver) if limited else sample_scene(**solver)
     knots = sample_knots()
-    interactions = scene_interactions(scene)
-    appointments = find_appointments(scene, None, LAYOUT, knots)
-    setting = Setting(
-        scene, _Walls(), interactions, LAYOUT,  # type: ignore[arg-type]
-        derive_scales(scene, interactions, LAYOUT, knots),
-        build_limits(scene, LAYOUT, knots, appointments), appointments, 1e-4,
+    planning = replace(PlanningProblem.from_scene(scene, None), free_space=_Walls())  # type: ignore[arg-type]
+    timed = find_timed_constraints(PlanningProblem.from_scene(scene, None), LAYOUT, knots)
+    formulation = Formulation(
+        planning, LAYOUT, derive_scales(planning, LAYOUT, knots),
+        build_limits(planning, LAYOUT, knots, timed), timed, 1e-4,
     )  # fmt: skip
-    return Assembly(setting).problem(knots, 0.3, Stopwatch())
+    return Assembly(formulation).problem(knots, 0.3, Stopwatch())
 
 
 class _AsFunction:
@@ -206,9 +205,11 @@ def test_bounds_fix_what_the_scene_gives() -> None:
     scene = sample_scene()
     knots = sample_knots()
     middle = replace(scene.agents[0], waypoints=(tuple(knots[2, :2]),))
-    told = replace(scene.agents[1], path=tuple(map(tuple, knots[6:12])))
-    scene = replace(scene, agents=(middle, told, scene.agents[2]))
-    limits = build_limits(scene, LAYOUT, knots, find_appointments(scene, None, LAYOUT, knots))
+    prescribed = replace(scene.agents[1], path=tuple(map(tuple, knots[6:12])))
+    scene = replace(scene, agents=(middle, prescribed, scene.agents[2]))
+    planning = PlanningProblem.from_scene(scene, None)
+    timed = find_timed_constraints(planning, LAYOUT, knots)
+    limits = build_limits(planning, LAYOUT, knots, timed)
     fixed = limits.lower == limits.upper
     assert fixed[0].all()
     assert fixed[5].tolist() == [True, True, False]

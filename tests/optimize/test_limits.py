@@ -8,8 +8,9 @@ import pytest
 import stplan
 from stplan.certify.certificate import certify
 from stplan.errors import SeedingError
-from stplan.optimize.restoration import asks_for_more, settle
+from stplan.optimize.restoration import asks_for_more, restore
 from stplan.planner import Plan
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene import parse_scene
 from stplan.seeding.portfolio import find_seed
 from stplan.world import build_free_space
@@ -214,12 +215,11 @@ def test_what_is_not_found_says_what_is_missing() -> None:
 
 def test_scenes_that_ask_for_nothing_more_keep_their_seed() -> None:
     scene = parse_scene(HEAD + FAR)
-    assert not asks_for_more(scene)
+    problem = PlanningProblem.from_scene(scene, None)
+    assert not asks_for_more(problem)
     seed = find_seed(scene, None, progress=lambda line: None)
-    settled = settle(
-        scene, None, seed.world_lines, progress=lambda line: None, interrupted=lambda: False
-    )
-    assert settled is seed.world_lines
+    restored = restore(problem, seed.world_lines, progress=lambda line: None, stop=lambda: False)
+    assert restored is seed.world_lines
 
 
 def test_the_same_bytes_again() -> None:

@@ -9,8 +9,8 @@ import pytest
 
 from stplan.bench.families_open import circle
 from stplan.errors import SolverError
-from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
 from stplan.nlp.ipopt import linear_solvers
+from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
 from stplan.planner import plan
 
 
