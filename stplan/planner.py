@@ -36,6 +36,7 @@ from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Seed
+from stplan.status import Status
 from stplan.world import build_free_space, fitted_free_space
 
 Progress = Callable[[str], None]
@@ -54,9 +55,7 @@ class Plan:
         certificate: of the trajectories, or of the seed.
         report: what report.json holds, repeatable.
         run: what run.json holds, different every time.
-        status: "converged", "limit", "interrupted", "failed" or "seeded".
-        advice: a sentence on what the status means, empty where all is well.
-        exit_status: the command's.
+        status: how planning ended.
     """
 
     scene: Scene
@@ -65,28 +64,17 @@ class Plan:
     certificate: Certificate
     report: dict[str, Any]
     run: dict[str, Any]
-    status: str
-    advice: str
-    exit_status: int
+    status: Status
 
+    @property
+    def advice(self) -> str:
+        """A sentence on what the status means, empty where all is well."""
+        return self.status.advice
 
-_ADVICE = {
-    "converged": "",
-    "seeded": "",
-    "limit": "the last outer iteration used all its iterations and was still improving; "
-    "raise solver.max_iterations to go on",
-    "interrupted": "interrupted: these are the best feasible trajectories so far",
-    "failed": "the optimiser could not improve the seed; the trajectories are the best feasible ones",
-    "broken": "the optimised curves do not hold their certificate, so the seed is given instead",
-}
-EXIT_STATUS = {
-    "converged": 0,
-    "seeded": 0,
-    "limit": 0,
-    "interrupted": 130,
-    "failed": 4,
-    "broken": 4,
-}
+    @property
+    def exit_status(self) -> int:
+        """The command's."""
+        return self.status.exit_status
 
 
 def plan(
@@ -122,24 +110,21 @@ def plan(
     clock.lap("certify")
     lines, status = outcome.world_lines, outcome.status
     if not certificate.holds:
-        lines, certificate, status = seed.world_lines, seed_certificate, "broken"
+        lines, certificate, status = seed.world_lines, seed_certificate, Status.BROKEN
     report = _report(scene, seed, seed_certificate, certificate, lines, status)
     report["linear_solver"] = linear_solver
     report["costs"] = outcome.costs
     report["outer_iterations"] = outcome.record
     run = _run(clock) | {"optimisation": _optimisation_times(outcome, clock)}
-    return Plan(
-        scene, seed.world_lines, lines, certificate, report, run, status, _ADVICE[status],
-        EXIT_STATUS[status],
-    )  # fmt: skip
+    return Plan(scene, seed.world_lines, lines, certificate, report, run, status)
 
 
 def seed(scene: Scene, *, progress: Progress | None = None) -> Plan:
     """Only the initial curves of `scene`, certified. Raises like `plan`."""
     clock = _Clock()
     _, found, certificate = _seeded(scene, progress or (lambda line: None), clock)
-    report = _report(scene, found, certificate, certificate, found.world_lines, "seeded")
-    return Plan(scene, found.world_lines, None, certificate, report, _run(clock), "seeded", "", 0)
+    report = _report(scene, found, certificate, certificate, found.world_lines, Status.SEEDED)
+    return Plan(scene, found.world_lines, None, certificate, report, _run(clock), Status.SEEDED)
 
 
 def check(scene: Scene, lines: WorldLines) -> Certificate:
@@ -201,13 +186,13 @@ def _report(
     seed_certificate: Certificate,
     certificate: Certificate,
     lines: WorldLines,
-    status: str,
+    status: Status,
 ) -> dict[str, Any]:
     tightest = seed_certificate.smallest
     return {
         "format": 1,
         "status": status,
-        "advice": _ADVICE[status],
+        "advice": status.advice,
         "scene": {
             "name": scene.name,
             "source": None if scene.source is None else str(scene.source),

@@ -15,6 +15,7 @@ from stplan.errors import UsageError
 from stplan.files.json_file import read_json
 from stplan.files.manifest import RUN_RECORD, broken_seal
 from stplan.files.run_folder import REPORT
+from stplan.status import Status
 
 LOCK = ".stplan-batch.lock"
 
@@ -54,13 +55,13 @@ def found(run: Run, folder: Path) -> Found:
     if not isinstance(scene, dict) or scene.get("hash") != run.content_hash:
         return Found("the scene, its mesh or its settings have changed")
     # Loaded late: where nothing is done yet, the workers alone need what plans.
-    from stplan.planner import EXIT_STATUS, versions
+    from stplan.planner import versions
 
     if report.get("versions") != versions():
         return Found("planned by other versions")
     status, certificate = report.get("status"), report.get("certificate")
     holds = isinstance(certificate, dict) and certificate.get("holds") is True
-    exit_status = EXIT_STATUS.get(str(status), 130)
+    exit_status = {one.value: one.exit_status for one in Status}.get(str(status), 130)
     if exit_status == 130 or not holds:
         return Found("it was interrupted")
     return Found("", "failed" if exit_status else "certified", report, record)

@@ -24,6 +24,7 @@ from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
 from stplan.seeding.rendezvous import MeetingPlace
+from stplan.status import Status
 
 LiveLine = Callable[[Callable[[], str]], None]
 
@@ -54,13 +55,13 @@ class Optimisation:
     """The optimised curves and how they were reached.
 
     Attributes:
-        status: "converged", "limit" (iterations used up), "interrupted" or "failed".
+        status: how the last outer iteration ended.
         record: one entry an outer iteration, repeatable (no times).
         watch: seconds, for the run record only.
     """
 
     world_lines: WorldLines
-    status: str
+    status: Status
     record: list[dict[str, Any]]
     costs: dict[str, float]
     watch: Stopwatch = field(default_factory=Stopwatch)
@@ -197,7 +198,7 @@ class _Loop:
         self._linear_solver = chosen_linear_solver(formulation.problem.scene)
         self._watch = Stopwatch()
         self._record: list[dict[str, Any]] = []
-        self._status = "converged"
+        self._status = Status.CONVERGED
         self._iterations = 0
         self._nonzeros = 0
         self._terms: Sequence[Term] = ()
@@ -211,11 +212,11 @@ class _Loop:
         for outer in range(solver.outer_iterations):
             before = self._status
             self._outer_iteration(outer, mu)
-            if self._status == "failed" and outer > 0:
+            if self._status is Status.FAILED and outer > 0:
                 # Too near its limits to move at all: what the last mu left is the result.
                 self._status = before
                 return
-            if self._status in ("interrupted", "failed"):
+            if self._status in (Status.INTERRUPTED, Status.FAILED):
                 return
             mu *= solver.mu_decay
 
@@ -312,14 +313,14 @@ class _Loop:
             ipopt_mu=ipopt_mu,
         )
 
-    def _judge(self, outcome: IpoptResult, why: str, before: float, after: float) -> str:
+    def _judge(self, outcome: IpoptResult, why: str, before: float, after: float) -> Status:
         if why == "interrupted":
-            return "interrupted"
+            return Status.INTERRUPTED
         if why == "converged" or outcome.status in (0, 1):
-            return "converged"
+            return Status.CONVERGED
         if outcome.status in FAILURES and before == after:
-            return "failed"
-        return "limit"
+            return Status.FAILED
+        return Status.LIMIT
 
     def result(self, seed: WorldLines) -> Optimisation:
         """What was reached, with the cost of every term at the last mu."""
