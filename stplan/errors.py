@@ -5,6 +5,11 @@ A numerical outcome (stopped early, could not improve) is no error but a status 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from stplan.reasons import Reason
+from stplan.wording import in_words
+
 
 class StplanError(Exception):
     """Base of every error this package raises on purpose; ``exit_status`` is the command's."""
@@ -29,9 +34,20 @@ class UsageError(StplanError):
 
 
 class SeedingError(StplanError):
-    """No collision-free initial curves were found; the message names agents and what blocks them."""
+    """No initial curves were found: `reasons` say why, and `str` puts them into words.
+
+    Where there is no reason to name, a plain message stands instead.
+    """
 
     exit_status = 3
+
+    def __init__(self, reasons: Sequence[Reason] | str) -> None:
+        super().__init__(reasons)
+        self.reasons = () if isinstance(reasons, str) else tuple(reasons)
+
+    def __str__(self) -> str:
+        """A headline, and a line a reason."""
+        return in_words(self.reasons) if self.reasons else super().__str__()
 
 
 class SolverError(StplanError):

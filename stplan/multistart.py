@@ -15,11 +15,10 @@ import numpy as np
 from stplan.analysis.metrics import kinetic_energy, turning
 from stplan.certify.pair_clearance import nearest_moments
 from stplan.errors import SeedingError
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
-from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Seed, find_seed
-from stplan.world import FreeSpace
 
 # `solver.starts: auto` makes so many starts for every pair an agent that would collide on straight ways:
 # each of them doubles the classes there are. It makes no more than that in all, and fewer the more pairs of
@@ -29,23 +28,20 @@ MOST_STARTS = 24
 RELAXED_PAIRS = 15_000
 
 
-def best_seed(
-    scene: Scene, free_space: FreeSpace | None, *, progress: Callable[[str], None]
-) -> Seed:
+def best_seed(problem: PlanningProblem, *, progress: Callable[[str], None]) -> Seed:
     """The cheapest of `solver.starts` seeds, found with `seeding.rng_seed` and the numbers after it.
 
     Raises:
         SeedingError: the first start found none.
     """
-    best = find_seed(scene, free_space, progress=progress)
-    starts = scene.solver.starts or _worthwhile_starts(scene, best)
+    scene = problem.scene
+    best = find_seed(problem, progress=progress)
+    starts = scene.solver.starts or _worthwhile_starts(problem, best)
     least, chosen = own_cost(scene, best.world_lines), 0
     for start in range(1, starts):
-        other = replace(
-            scene, seeding=replace(scene.seeding, rng_seed=scene.seeding.rng_seed + start)
-        )
+        settings = replace(scene.seeding, rng_seed=scene.seeding.rng_seed + start)
         try:
-            seed = find_seed(other, free_space, progress=lambda line: None)
+            seed = find_seed(problem, progress=lambda line: None, settings=settings)
         except SeedingError:
             continue
         cost = own_cost(scene, seed.world_lines)
@@ -53,7 +49,7 @@ def best_seed(
             best, least, chosen = seed, cost, start
     if starts > 1:
         progress(f"start {chosen + 1} of {starts} is the cheapest")
-    return replace(best, record=best.record | {"starts": starts, "start": chosen + 1})
+    return replace(best, record=replace(best.record, starts=starts, start=chosen + 1))
 
 
 def own_cost(scene: Scene, lines: WorldLines) -> float:
@@ -69,26 +65,25 @@ def own_cost(scene: Scene, lines: WorldLines) -> float:
     return total
 
 
-def _worthwhile_starts(scene: Scene, first: Seed) -> int:
+def _worthwhile_starts(problem: PlanningProblem, first: Seed) -> int:
     """How many starts `auto` makes: search finds much the same seed every time."""
-    count = len(scene.agents)
+    count = problem.num_agents
     most = min(MOST_STARTS, RELAXED_PAIRS // max(count * (count - 1) // 2, 1))
     if first.found_by != "relaxation" or most <= 1:
         return 1
-    return max(1, min(most, round(STARTS_A_CONFLICT * straight_conflicts(scene) / count)))
+    return max(1, min(most, round(STARTS_A_CONFLICT * straight_conflicts(problem) / count)))
 
 
-def straight_conflicts(scene: Scene) -> int:
+def straight_conflicts(problem: PlanningProblem) -> int:
     """Pairs that would collide if all went straight to their goals, as slowly as they may."""
     curves = [
         np.array([[*agent.start, agent.start_time], [*agent.goal, agent.max_time]])
-        if agent.path is None
-        else np.array(agent.path)
-        for agent in scene.agents
+        if path is None
+        else path
+        for agent, path in zip(problem.scene.agents, problem.paths, strict=True)
     ]
-    interactions = scene_interactions(scene)
     leaves = np.array([curve[-1, 2] for curve in curves])
-    lines = WorldLines.from_curves([agent.id for agent in scene.agents], curves)
-    found = nearest_moments(lines, leaves, interactions.collides)
-    needs = interactions.distance[found.pairs[:, 0], found.pairs[:, 1]]
+    lines = WorldLines.from_curves(problem.agent_ids, curves)
+    found = nearest_moments(lines, leaves, problem.collides)
+    needs = problem.distance[found.pairs[:, 0], found.pairs[:, 1]]
     return int((found.distance <= needs).sum())

@@ -155,10 +155,12 @@ def _seeded(
     clock.lap("world")
     if not compiled_before(squared_distance):
         say("compiling, once after installation: this takes about a quarter of a minute")
-    found = best_seed(scene, free_space, progress=say)
     problem = PlanningProblem.from_scene(scene, free_space)
+    found = best_seed(problem, progress=say)
     with _interruptible() as interrupted:
-        lines = restore(problem, found.world_lines, found.meetings, progress=say, stop=interrupted)
+        lines = restore(
+            problem, found.world_lines, found.rendezvous, progress=say, stop=interrupted
+        )
         if interrupted():
             raise KeyboardInterrupt
     found = replace(found, world_lines=lines)
@@ -203,7 +205,7 @@ def _report(
         "metrics": metrics(scene, lines),
         "seed": {
             "found_by": seed.found_by,
-            "record": seed.record,
+            "record": seed.record.as_dict(),
             "smallest_clearance": None if tightest is None else tightest.clearance,
             "metrics": metrics(scene, seed.world_lines),
         },

@@ -10,6 +10,7 @@ import pytest
 from stplan.bench import families_open as wide
 from stplan.bench import families_tight as tight
 from stplan.multistart import best_seed, own_cost, straight_conflicts
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.model import Scene
 from stplan.world import build_free_space
 
@@ -20,13 +21,19 @@ def started(scene: Scene, starts: int | None = None, rng_seed: int = 0):
         solver=replace(scene.solver, starts=starts),
         seeding=replace(scene.seeding, rng_seed=rng_seed),
     )
-    return best_seed(scene, build_free_space(scene), progress=lambda line: None)
+    return best_seed(
+        PlanningProblem.from_scene(scene, build_free_space(scene)), progress=lambda line: None
+    )
+
+
+def conflicts(scene: Scene) -> int:
+    return straight_conflicts(PlanningProblem.from_scene(scene, None))
 
 
 def test_all_pairs_of_a_circle_conflict_and_none_of_parallel_ways() -> None:
-    assert straight_conflicts(wide.circle(8, 8.0, 50.0)) == 28
+    assert conflicts(wide.circle(8, 8.0, 50.0)) == 28
     starts = np.column_stack([np.zeros(5), 3.0 * np.arange(5)])
-    assert straight_conflicts(wide.crowd(starts, starts + np.array([10.0, 0.0]), 20.0)) == 0
+    assert conflicts(wide.crowd(starts, starts + np.array([10.0, 0.0]), 20.0)) == 0
 
 
 def test_the_cheapest_of_several_starts_is_taken() -> None:
@@ -35,20 +42,20 @@ def test_the_cheapest_of_several_starts_is_taken() -> None:
     costs = [own_cost(scene, seed.world_lines) for seed in single]
     best = started(scene, 4)
     assert own_cost(scene, best.world_lines) == min(costs) < max(costs)
-    assert best.record["starts"] == 4
-    assert best.record["start"] == 1 + int(np.argmin(costs))
+    assert best.record.starts == 4
+    assert best.record.start == 1 + int(np.argmin(costs))
 
 
 def test_auto_makes_more_starts_where_more_pairs_conflict() -> None:
     few, many = (started(wide.circle(count, 8.0, 50.0, radius=0.25)) for count in (4, 10))
-    assert 1 <= few.record["starts"] < many.record["starts"]
+    assert 1 <= few.record.starts < many.record.starts
 
 
 def test_search_makes_one_start_unless_told() -> None:
     scene = tight.plus_crossing(np.random.default_rng(1), turn=3)
     seed = started(scene)
     assert seed.found_by.startswith("search")
-    assert seed.record["starts"] == 1
+    assert seed.record.starts == 1
 
 
 @pytest.mark.parametrize("preferred", [None, 30.0])

@@ -142,7 +142,7 @@ def build_task(scene: Scene) -> Task:
 
 def _ways(scene: Scene, free_space: FreeSpace | None) -> list[FloatArray]:
     """(n, 2) the shortest way of every agent alone."""
-    curves = geodesic_curves(PlanningProblem.from_scene(scene, free_space), free_space)
+    curves = geodesic_curves(PlanningProblem.from_scene(scene, free_space))
     return [curve[:, :2] for curve in curves if curve is not None]
 
 

@@ -214,7 +214,7 @@ def measure_one(name: str) -> Figure:
     scene = case.scene()
     warm_up()
     measured, planned = run(scene)
-    conflicts = None if scene.map else straight_conflicts(scene)
+    conflicts = None if scene.map else straight_conflicts(PlanningProblem.from_scene(scene, None))
     figure = Figure(case.name, case.title, measured, conflicts)
     return _compared(figure, planned) if case.tight and planned is not None else figure
 

@@ -21,6 +21,7 @@ from stplan.bench import families_open as wide
 from stplan.bench import families_tight as tight
 from stplan.certify.certificate import certify
 from stplan.errors import SeedingError, UsageError
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import find_seed
 from stplan.world import build_free_space
@@ -214,10 +215,11 @@ def measure_one(
     scene = draw_scene(family, draw)
     scene = replace(scene, seeding=replace(scene.seeding, time_limit=time_limit, method=method))
     free_space = build_free_space(scene)
+    problem = PlanningProblem.from_scene(scene, free_space)
     failed = Measurement(family.name, draw, len(scene.agents), False, 0.0, 0.0, np.nan, "", "")
     started, cpu_started = time.perf_counter(), time.process_time()
     try:
-        seed = find_seed(scene, free_space, progress=lambda line: None)
+        seed = find_seed(problem, progress=lambda line: None)
     except SeedingError as error:
         failed = _timed(failed, started, cpu_started)
         return replace(failed, reason=str(error).splitlines()[0])

@@ -43,7 +43,7 @@ def ways_alone(scene: Scene, free_space: FreeSpace | None) -> list[FloatArray | 
 
     None where the walls let it through nowhere.
     """
-    return geodesic_curves(PlanningProblem.from_scene(scene, free_space), free_space)
+    return geodesic_curves(PlanningProblem.from_scene(scene, free_space))
 
 
 def detours(scene: Scene, lines: WorldLines, alone: Sequence[FloatArray | None]) -> Section:

@@ -15,10 +15,12 @@ from stplan.explain.detours import ways_alone
 from stplan.explain.explanation import Explanation, Fact, Remark, Section, at, count, metres
 from stplan.explain.passages import passages
 from stplan.explain.run import motion
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import find_seed
+from stplan.wording import headline, sentences
 from stplan.world import FreeSpace
 
 
@@ -57,12 +59,11 @@ def explain_scene(
     try:
         sections += _initial_curves(scene, free_space, time_limit, progress)
     except SeedingError as error:
-        first, *rest = str(error).splitlines()
-        head, _, reason = first.partition(": ")
-        facts = [Remark(line.strip()) for line in (reason, *rest) if line.strip()]
-        sections.append(Section("seeding", "Initial curves", f"{head.capitalize()}:", facts))
-        headline = f"{scene.name}: a valid scene, but there is no way to start."
-        return Explanation(headline, tuple(sections)), False
+        facts = [Remark(sentence) for sentence in sentences(error.reasons)]
+        head = headline(error.reasons).capitalize()
+        sections.append(Section("seeding", "Initial curves", f"{head}:", facts))
+        title = f"{scene.name}: a valid scene, but there is no way to start."
+        return Explanation(title, tuple(sections)), False
     return Explanation(f"{scene.name}: a valid scene.", tuple(sections)), True
 
 
@@ -146,8 +147,9 @@ def _initial_curves(
     """How initial curves were found, and what they look like; raises SeedingError where not."""
     if time_limit <= 0:
         return []
-    seeding = replace(scene.seeding, time_limit=min(time_limit, scene.seeding.time_limit))
-    seed = find_seed(replace(scene, seeding=seeding), free_space, progress=progress)
+    settings = replace(scene.seeding, time_limit=min(time_limit, scene.seeding.time_limit))
+    problem = PlanningProblem.from_scene(scene, free_space)
+    seed = find_seed(problem, progress=progress, settings=settings)
     lead = f"Found by {seed.found_by}. What follows is about them; planning makes them smooth."
     certificate = certify(scene, free_space, seed.world_lines)
     return [

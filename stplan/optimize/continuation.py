@@ -23,7 +23,7 @@ from stplan.problem.layout import KnotLayout
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
-from stplan.seeding.rendezvous import MeetingPlace
+from stplan.seeding.rendezvous import Rendezvous
 from stplan.status import Status
 
 LiveLine = Callable[[Callable[[], str]], None]
@@ -146,7 +146,7 @@ def formulate(
     knots: FloatArray,
     *,
     free_times: bool = False,
-    planned: Sequence[MeetingPlace] = (),
+    planned: Sequence[Rendezvous] = (),
 ) -> Formulation:
     """What stays the same while `problem` is optimised from seed `knots` (M, 3).
 

@@ -26,7 +26,7 @@ from stplan.problem.layout import KnotLayout
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Agent
-from stplan.seeding.rendezvous import MeetingPlace
+from stplan.seeding.rendezvous import Rendezvous
 from stplan.seeding.shortcutting.resampling import resample_curve
 
 # Weights of the penalties, in mean kinetic costs; and iterations spent on each of them.
@@ -60,7 +60,7 @@ def asks_for_more(problem: PlanningProblem) -> bool:
 def restore(
     problem: PlanningProblem,
     seed: WorldLines,
-    planned: Sequence[MeetingPlace] = (),
+    planned: Sequence[Rendezvous] = (),
     *,
     progress: Callable[[str], None],
     stop: Callable[[], bool],

@@ -12,7 +12,7 @@ from stplan.problem.layout import KnotLayout
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.interactions import Meeting
 from stplan.scene.model import Agent, Visit
-from stplan.seeding.rendezvous import MeetingPlace
+from stplan.seeding.rendezvous import Rendezvous
 
 # A waypoint is the knot of the seed nearest to it, which must lie this close (m).
 WAYPOINT_TOLERANCE = 1e-9
@@ -46,7 +46,7 @@ def find_timed_constraints(
     problem: PlanningProblem,
     layout: KnotLayout,
     knots: FloatArray,
-    planned: Sequence[MeetingPlace] = (),
+    planned: Sequence[Rendezvous] = (),
 ) -> TimedConstraints:
     """The timed constraints of `problem` among `knots` (M, 3), where the curves nearly keep them.
 
@@ -152,7 +152,7 @@ def _meeting_knots(
 
 
 def _planned_knots(
-    layout: KnotLayout, knots: FloatArray, prescribed: BoolArray, place: MeetingPlace
+    layout: KnotLayout, knots: FloatArray, prescribed: BoolArray, place: Rendezvous
 ) -> tuple[int, int]:
     """The knots at a planned place: in space, or in time for an agent whose motion is prescribed."""
     found = []

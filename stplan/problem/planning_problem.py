@@ -7,6 +7,7 @@ scene is planned. Arrays are over the A agents in scene order.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -121,10 +122,20 @@ class PlanningProblem:
         """(A, A) R_ab in m."""
         return self.interactions.distance
 
-    @property
+    @cached_property
     def prescribed(self) -> BoolArray:
         """(A,) agents whose motion is prescribed."""
         return np.array([path is not None for path in self.paths], dtype=bool)
+
+    @cached_property
+    def stops(self) -> tuple[FloatArray, ...]:
+        """Start, waypoints and goal (w + 2, 2) of every agent, m; (0, 2) where its motion is prescribed."""
+        return tuple(
+            np.empty((0, 2)) if path is not None else np.vstack([start, waypoints, goal])
+            for path, start, waypoints, goal in zip(
+                self.paths, self.starts, self.waypoints, self.goals, strict=True
+            )
+        )
 
     def present_until(self, arrivals: FloatArray) -> FloatArray:
         """(A,) until when every agent is there, s, given when each arrives (A,)."""

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -13,73 +12,41 @@ from stplan.arrays import FloatArray, IntArray
 from stplan.geometry.rod_distances import rod_distance
 from stplan.geometry.segments import closest_parameters
 from stplan.problem.planning_problem import PlanningProblem
-from stplan.seeding.search.planner import LayeredPlanner, exact_points
+from stplan.reasons import Kind, Reason
+from stplan.seeding.search.planner import LayeredPlanner
 from stplan.world import cut_off_agents, widest_passage
-
-if TYPE_CHECKING:
-    from stplan.world import FreeSpace
-
-Kind = Literal[
-    "start", "goal", "not connected", "roadmap", "layers", "order", "blocked", "touching"
-]
 
 # So many touching pairs are described.
 MOST_PAIRS = 5
 
 
-@dataclass(frozen=True)
-class Reason:
-    """One reason why there are no clear curves.
-
-    Attributes:
-        kind: what is wrong.
-        agents: whom it concerns (indices).
-        proven: no clear curves exist; else only this search found none.
-        sentence: the same for people.
-        place: (x, y) in m, where there is one.
-        times: first and last time in s, where there are any.
-    """
-
-    kind: Kind
-    agents: tuple[int, ...]
-    proven: bool
-    sentence: str
-    place: tuple[float, float] | None = None
-    times: tuple[float, float] | None = None
-
-
-def hopeless(problem: PlanningProblem, free_space: FreeSpace | None) -> tuple[Reason, ...]:
+def hopeless(problem: PlanningProblem) -> tuple[Reason, ...]:
     """Proven reasons: ends that touch, goals that cannot be reached."""
-    reasons = [*_touching_ends(problem)]
-    for agent in not_connected(problem, free_space, problem.radii):
-        place = (float(problem.starts[agent, 0]), float(problem.starts[agent, 1]))
-        sentence = _too_narrow(problem, agent, free_space)
-        reasons.append(Reason("not connected", (agent,), True, sentence, place))
-    return tuple(reasons)
+    cut_off = not_connected(problem, problem.radii)
+    return (*_touching_ends(problem), *(_too_narrow(problem, agent) for agent in cut_off))
 
 
-def not_connected(
-    problem: PlanningProblem, free_space: FreeSpace | None, radii: FloatArray
-) -> list[int]:
+def not_connected(problem: PlanningProblem, radii: FloatArray) -> list[int]:
     """Agents whose stops lie in different parts of the free space eroded by `radii` (A,)."""
     stops = [
         points if heeds else points[:0]
-        for points, heeds in zip(exact_points(problem), problem.heeds_walls, strict=True)
+        for points, heeds in zip(problem.stops, problem.heeds_walls, strict=True)
     ]
-    return cut_off_agents(free_space, stops, radii)
+    return cut_off_agents(problem.free_space, stops, radii)
 
 
-def _too_narrow(problem: PlanningProblem, agent: int, free_space: FreeSpace | None) -> str:
+def _too_narrow(problem: PlanningProblem, agent: int) -> Reason:
     """By how much the widest passage between the stops of an agent is too narrow for it."""
-    name, radius = problem.agent_ids[agent], float(problem.radii[agent])
-    stops = exact_points(problem)[agent]
-    between = "its start, waypoints and goal" if len(stops) > 2 else "its start and goal"
-    widest = 0.0 if free_space is None else widest_passage(free_space, stops, radius)
-    if widest == 0.0:
-        return f"{name}: {between} lie in separate parts of the map"
-    return (
-        f"{name}: no way connects {between} at its radius; the widest lets a radius of "
-        f"{widest:.3g} m through, the agent's is {radius:g} m"
+    radius = float(problem.radii[agent])
+    stops = problem.stops[agent]
+    space = problem.free_space
+    widest = 0.0 if space is None else widest_passage(space, stops, radius)
+    return Reason(
+        "not connected",
+        (problem.agent_ids[agent],),
+        proven=True,
+        place=_point(problem.starts[agent]),
+        figures={"stops": len(stops), "widest": widest, "radius": radius},
     )
 
 
@@ -97,20 +64,31 @@ def _touching_ends(problem: PlanningProblem) -> list[Reason]:
     for a, b in np.argwhere(np.triu(problem.collides & (near_starts | near_goals))):
         pair = (int(a), int(b))
         limit = float(problem.distance[pair])
-        names = f"{problem.agent_ids[a]} and {problem.agent_ids[b]}"
         gap = _beginning_gap(problem, starts, pair, limit)
         if gap <= limit:
-            sentence = f"{names} start {gap:.4g} m apart in space-time, not over {limit:.4g} m"
-            if problem.start_times[a] != problem.start_times[b]:
-                sentence += ", at this time_scale; a larger one keeps their times further apart"
-            place = (float(starts[a, 0]), float(starts[a, 1]))
-            reasons.append(Reason("start", pair, True, sentence, place))
+            early, late = sorted(problem.start_times[list(pair)].tolist())
+            found = _touching_pair(problem, "start", pair, gap, problem.starts[a])
+            reasons.append(replace(found, times=(early, late)))
         if near_goals[pair]:
             gap = float(goal_gaps[pair])
-            sentence = f"{names} stay on goals {gap:.4g} m apart, not over {limit:.4g} m"
-            place = (float(problem.goals[a, 0]), float(problem.goals[a, 1]))
-            reasons.append(Reason("goal", pair, True, sentence, place))
+            reasons.append(_touching_pair(problem, "goal", pair, gap, problem.goals[a]))
     return reasons
+
+
+def _touching_pair(
+    problem: PlanningProblem, kind: Kind, pair: tuple[int, int], gap: float, place: FloatArray
+) -> Reason:
+    """Two ends `gap` (m) apart, near `place` (2,)."""
+    figures = {"distance": gap, "required": float(problem.distance[pair])}
+    return Reason(kind, _ids(problem, pair), proven=True, place=_point(place), figures=figures)
+
+
+def _ids(problem: PlanningProblem, agents: Sequence[int]) -> tuple[str, ...]:
+    return tuple(problem.agent_ids[agent] for agent in agents)
+
+
+def _point(place: FloatArray) -> tuple[float, float]:
+    return float(place[0]), float(place[1])
 
 
 def _distances(points: FloatArray) -> FloatArray:
@@ -130,31 +108,12 @@ def _beginning_gap(
     return rod_distance(rods[0], rods[1], 1.5 * limit)
 
 
-def stranded(problem: PlanningProblem, agents: Sequence[int], margin: float) -> tuple[Reason, ...]:
-    """The roadmap of a margin does not connect `agents`."""
+def stranded(
+    problem: PlanningProblem, agents: Sequence[int], margin: float, kind: Kind = "roadmap"
+) -> tuple[Reason, ...]:
+    """The roadmap (or the "mesh") of a margin does not connect `agents`."""
     return tuple(
-        Reason(
-            "roadmap",
-            (agent,),
-            False,
-            f"{problem.agent_ids[agent]}: the roadmap has no way from start to goal "
-            f"that keeps {margin:g} times the radius from the walls",
-        )
-        for agent in agents
-    )
-
-
-def off_mesh(problem: PlanningProblem, agents: Sequence[int], margin: float) -> tuple[Reason, ...]:
-    """The seeding mesh does not connect `agents`."""
-    return tuple(
-        Reason(
-            "roadmap",
-            (agent,),
-            False,
-            f"{problem.agent_ids[agent]}: no edges of the mesh lead from start to goal at "
-            f"{margin:g} times its radius from the walls; lower map.resolution",
-        )
-        for agent in agents
+        Reason(kind, (problem.agent_ids[agent],), figures={"margin": margin}) for agent in agents
     )
 
 
@@ -162,60 +121,46 @@ def no_order(problem: PlanningProblem, failures: IntArray) -> tuple[Reason, ...]
     """In no order tried did everybody find a way; `failures` (A,) counts who did not."""
     worst = [int(agent) for agent in np.argsort(-failures, kind="stable")[:MOST_PAIRS]]
     return tuple(
-        Reason(
-            "order",
-            (agent,),
-            False,
-            f"{problem.agent_ids[agent]} found no way past the others in {failures[agent]} orders",
-        )
+        Reason("order", (problem.agent_ids[agent],), figures={"orders": int(failures[agent])})
         for agent in worst
         if failures[agent] > 0
     )
 
 
-def late(problem: PlanningProblem, agents: Sequence[int], layers: int) -> tuple[Reason, ...]:
+def too_few_layers(
+    problem: PlanningProblem, agents: Sequence[int], layers: int
+) -> tuple[Reason, ...]:
     """`layers` time layers are too few for `agents`."""
     return tuple(
-        Reason(
-            "layers",
-            (agent,),
-            False,
-            f"{problem.agent_ids[agent]}: {layers} time layers are too few for its way; "
-            "raise seeding.layers",
-        )
+        Reason("layers", (problem.agent_ids[agent],), figures={"layers": layers})
         for agent in agents
     )
 
 
 def no_way_past(planner: LayeredPlanner, group: Sequence[int]) -> tuple[Reason, ...]:
     """However the `group` moves, its members cannot get past each other on the roadmap."""
-    names = " and ".join(planner.problem.agent_ids[agent] for agent in group)
-    start = planner.problem.starts[group[0]]
-    sentence = (
-        f"{names} cannot get past each other, whatever detours they take: all their joint "
-        f"positions on a roadmap of {planner.graph.num_vertices} points were searched"
+    problem = planner.problem
+    reason = Reason(
+        "blocked",
+        _ids(problem, group),
+        place=_point(problem.starts[group[0]]),
+        figures={"vertices": planner.graph.num_vertices},
     )
-    place = (float(start[0]), float(start[1]))
-    return (Reason("blocked", tuple(group), False, sentence, place),)
+    return (reason,)
 
 
-def stuck(
+def touching(
     problem: PlanningProblem, curves: Sequence[FloatArray], pairs: Sequence[tuple[int, int]]
 ) -> tuple[Reason, ...]:
     """Where and when the best curves found still touch."""
     reasons = []
     for a, b in pairs[:MOST_PAIRS]:
-        place, times = _closest(problem.rod(a, curves[a]), problem.rod(b, curves[b]))
-        times = (times[0] / problem.time_scale, times[1] / problem.time_scale)
-        sentence = (
-            f"{problem.agent_ids[a]} and {problem.agent_ids[b]} still block each other near "
-            f"({place[0]:.2f}, {place[1]:.2f}) at {times[0]:.1f} to {times[1]:.1f} s"
-        )
-        reasons.append(Reason("touching", (a, b), False, sentence, place, times))
+        place, (low, high) = _closest(problem.rod(a, curves[a]), problem.rod(b, curves[b]))
+        times = (low / problem.time_scale, high / problem.time_scale)
+        reasons.append(Reason("touching", _ids(problem, (a, b)), place=place, times=times))
     if len(pairs) > MOST_PAIRS:
-        others = tuple(sorted({agent for pair in pairs for agent in pair}))
-        sentence = f"{len(pairs)} pairs of {len(others)} agents touch in the best curves found"
-        reasons.append(Reason("touching", others, False, sentence))
+        others = _ids(problem, sorted({agent for pair in pairs for agent in pair}))
+        reasons.append(Reason("touching", others, figures={"pairs": len(pairs)}))
     return tuple(reasons)
 
 

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 import shapely
@@ -25,13 +24,13 @@ from stplan.errors import SeedingError
 from stplan.problem.clearance import verify, wall_clearance
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
+from stplan.reasons import Reason
 from stplan.scene.model import Scene, SeedingSettings
 from stplan.seeding.elastic_bands.geodesics import geodesic_curves
 from stplan.seeding.elastic_bands.relaxation import RelaxationResult, relax
 from stplan.seeding.elastic_bands.tightening import smooth_curves
-from stplan.seeding.infeasibility import hopeless, not_connected
-from stplan.seeding.rendezvous import MeetingPlace, with_meeting_places
-from stplan.seeding.search.planner import exact_points
+from stplan.seeding.infeasibility import hopeless, not_connected, touching
+from stplan.seeding.rendezvous import Rendezvous, with_rendezvous
 from stplan.seeding.search.schedule import (
     MOST_EFFORT,
     SOON_EFFORT,
@@ -40,6 +39,7 @@ from stplan.seeding.search.schedule import (
     search_curves,
 )
 from stplan.seeding.search.sequential_dijkstra import dijkstra_curves
+from stplan.seeding.seeder import SeedRecord
 from stplan.seeding.shortcutting.shortcuts import prepare_seed
 from stplan.seeding.time_bounds import out_of_time
 from stplan.world import FreeSpace, build_seeding_mesh
@@ -69,13 +69,13 @@ class Seed:
     Attributes:
         found_by: the part of the portfolio that found them.
         record: repeatable figures of the search, for the report.
-        meetings: places that the curves pass so that pairs meet there, at any times.
+        rendezvous: places that the curves pass so that pairs meet there, at any times.
     """
 
     world_lines: WorldLines
     found_by: str
-    record: dict[str, Any] = field(default_factory=dict)
-    meetings: tuple[MeetingPlace, ...] = ()
+    record: SeedRecord = field(default_factory=SeedRecord)
+    rendezvous: tuple[Rendezvous, ...] = ()
 
 
 @dataclass
@@ -84,13 +84,12 @@ class _Portfolio:
 
     scene: Scene
     problem: PlanningProblem
-    free_space: FreeSpace | None
     progress: Progress
     deadline: float
     curves: list[FloatArray] | None = None
     found_by: str = ""
-    record: dict[str, Any] = field(default_factory=dict)
-    reasons: list[str] = field(default_factory=list)
+    record: SeedRecord = field(default_factory=SeedRecord)
+    reasons: list[Reason] = field(default_factory=list)
 
     def settings(self) -> SeedingSettings:
         """The scene's settings with the time that is left."""
@@ -102,10 +101,14 @@ class _Portfolio:
         settings = self.settings()
         ways = None
         if not _straight_ways_are_clear(self.problem):
-            found = geodesic_curves(self.problem, self.free_space)
+            found = geodesic_curves(self.problem)
             ways = [way for way in found if way is not None]
             if len(ways) < len(found):
-                self.reasons.append("relaxation needs a way along the walls for every agent")
+                self.reasons += [
+                    Reason("no way", (name,))
+                    for name, way in zip(self.problem.agent_ids, found, strict=True)
+                    if way is None
+                ]
                 return
         self.progress("seeding by relaxation")
         result = relax(
@@ -117,11 +120,11 @@ class _Portfolio:
             rng_seed=settings.rng_seed,
             max_sweeps=max_sweeps,
         )
-        self.record = {"sweeps": result.sweeps, "retensions": result.retensions}
+        self.record = SeedRecord(sweeps=result.sweeps, retensions=result.retensions)
         if result.solved:
             self.curves, self.found_by = result.curves, "relaxation"
             return
-        self.reasons.append(_left_touching(self.problem, result.stuck))
+        self.reasons += _left_touching(self.problem, result)
         if settings.method == "auto":
             self._repair(result)
 
@@ -134,12 +137,11 @@ class _Portfolio:
             return
         self.progress("repairing by search")
         mended = repair_curves(
-            self.problem, self.free_space, result.curves,
-            settings=self.settings(), progress=self.progress,
-        )  # fmt: skip
+            self.problem, result.curves, settings=self.settings(), progress=self.progress
+        )
         if mended.curves is not None:
             self.curves, self.found_by = mended.curves, "relaxation, repaired"
-            self.record |= {"margin": mended.margin, "tries": mended.tries}
+            self.record = replace(self.record, margin=mended.margin, tries=mended.tries)
 
     def search(self, least_effort: int, most_effort: int) -> None:
         """Search on a roadmap, its stages of some efforts."""
@@ -147,81 +149,84 @@ class _Portfolio:
         if settings.time_limit <= 0.0:
             return
         result = search_curves(
-            self.problem, self.free_space, settings=settings, progress=self.progress,
+            self.problem, settings=settings, progress=self.progress,
             efforts=(least_effort, most_effort),
         )  # fmt: skip
         self._take(result, f"search ({result.part})")
 
     def dijkstra(self) -> None:
         """The paper's sequential search on the seeding mesh."""
-        mesh = build_seeding_mesh(self.scene, self.free_space)
+        mesh = build_seeding_mesh(self.scene, self.problem.free_space)
         result = dijkstra_curves(
-            self.problem, self.free_space, mesh, settings=self.settings(), progress=self.progress
+            self.problem, mesh, settings=self.settings(), progress=self.progress
         )
         self._take(result, "dijkstra")
 
     def _take(self, result: SearchResult, name: str) -> None:
         if result.curves is not None:
             self.curves, self.found_by = result.curves, name
-            self.record = {"margin": result.margin, "tries": result.tries}
+            self.record = SeedRecord(margin=result.margin, tries=result.tries)
             return
-        for reason in result.diagnosis:
-            proof = "proven" if reason.proven else "not found within the limit"
-            self.reasons.append(f"{reason.sentence} ({proof})")
+        self.reasons += result.diagnosis
 
     def timed_out(self) -> bool:
         """Whether the time limit has struck."""
         return working_time() > self.deadline
 
 
-def find_seed(scene: Scene, free_space: FreeSpace | None, *, progress: Progress) -> Seed:
-    """Clear initial curves for every agent of `scene`.
+def find_seed(
+    problem: PlanningProblem, *, progress: Progress, settings: SeedingSettings | None = None
+) -> Seed:
+    """Clear initial curves for every agent, found as `settings` say (default: as the scene does).
 
     Raises:
-        SeedingError: none were found; the message says whom it concerns, and whether that is proven.
+        SeedingError: none were found; its reasons say whom it concerns, and whether that is proven.
     """
+    scene = problem.scene
+    if settings is not None:
+        scene = replace(scene, seeding=settings)
     limit = scene.seeding.time_limit
     deadline = working_time() + limit
-    problem = PlanningProblem.from_scene(scene, free_space)
-    problem, meetings = with_meeting_places(problem, scene, free_space)
-    sentences = [reason.sentence for reason in hopeless(problem, free_space)]
-    if sentences:
-        raise SeedingError("no collision-free curves exist: " + "\n  ".join(sentences))
-    _refuse_out_of_time(scene, free_space)
-    portfolio = _Portfolio(scene, problem, _surroundings(problem, free_space), progress, deadline)
+    problem, rendezvous = with_rendezvous(replace(problem, scene=scene))
+    reasons = hopeless(problem) or out_of_time(problem)
+    if reasons:
+        raise SeedingError(reasons)
+    portfolio = _Portfolio(scene, _surroundings(problem), progress, deadline)
     for part in _parts(portfolio):
         part()
         if portfolio.curves is not None or portfolio.timed_out():
             break
     if portfolio.curves is None:
-        reasons = list(dict.fromkeys(portfolio.reasons))
-        if portfolio.timed_out() or not reasons:
-            reasons.append(f"not found within {limit:g} s; raise seeding.time_limit to go on")
-        raise SeedingError("no collision-free initial curves: " + "\n  ".join(reasons))
+        found = portfolio.reasons
+        if portfolio.timed_out() or not found:
+            found.append(Reason("time limit", figures={"limit": limit}))
+        raise SeedingError(found)
     curves = _prepared(portfolio, deadline + POLISH_TIME * limit)
     faults = verify(problem, curves)
     if faults:
         raise SeedingError("initial curves are not clear: " + "; ".join(faults))
     progress(f"seed found by {portfolio.found_by}")
     lines = WorldLines.from_curves(problem.agent_ids, curves)
-    return Seed(lines, portfolio.found_by, portfolio.record, meetings)
+    return Seed(lines, portfolio.found_by, portfolio.record, rendezvous)
 
 
-def _surroundings(problem: PlanningProblem, free_space: FreeSpace | None) -> FreeSpace | None:
-    """The map, or the part of it around the agents where it is far wider than their ways.
+def _surroundings(problem: PlanningProblem) -> PlanningProblem:
+    """The problem, its map cut down to the surroundings of the agents where it is far wider than their ways.
 
     A roadmap of the whole would be coarse where agents move, and take long elsewhere.
     """
-    if free_space is None:
-        return None
-    places = np.vstack(exact_points(problem))
+    space = problem.free_space
+    if space is None:
+        return problem
+    places = np.vstack(problem.stops)
     low, high = places.min(axis=0), places.max(axis=0)
     room = max(float((high - low).max()), SURROUNDINGS_RADII * float(problem.radii.max()))
     box = shapely.box(*(low - room), *(high + room))
-    if free_space.polygon.area < SPACIOUS * box.area:
-        return free_space
-    near = FreeSpace.from_polygon(shapely.intersection(free_space.polygon, box))
-    return free_space if not_connected(problem, near, problem.radii) else near
+    if space.polygon.area < SPACIOUS * box.area:
+        return problem
+    part = FreeSpace.from_polygon(shapely.intersection(space.polygon, box))
+    near = replace(problem, free_space=part)
+    return problem if not_connected(near, problem.radii) else near
 
 
 def _prepared(portfolio: _Portfolio, deadline: float) -> list[FloatArray]:
@@ -234,10 +239,8 @@ def _prepared(portfolio: _Portfolio, deadline: float) -> list[FloatArray]:
 
     def check() -> None:
         if working_time() > deadline:
-            raise SeedingError(
-                f"clear initial curves were found by {portfolio.found_by}, but not polished within "
-                f"{scene.seeding.time_limit:g} s; raise seeding.time_limit to go on"
-            )
+            limit = scene.seeding.time_limit
+            raise SeedingError([Reason("unprepared", figures={"limit": limit})])
 
     curves: Sequence[FloatArray] = portfolio.curves or []
     settings = scene.seeding
@@ -248,13 +251,6 @@ def _prepared(portfolio: _Portfolio, deadline: float) -> list[FloatArray]:
     return prepare_seed(
         problem, curves, scene.solver.knots, settings.margin, settings.rng_seed, check
     )
-
-
-def _refuse_out_of_time(scene: Scene, free_space: FreeSpace | None) -> None:
-    """Raise where it is proven that limits of motion leave someone too little time."""
-    sentences = out_of_time(scene, free_space)
-    if sentences:
-        raise SeedingError("no curves keep the limits of the scene: " + "\n  ".join(sentences))
 
 
 def _parts(portfolio: _Portfolio) -> list[Callable[[], None]]:
@@ -279,12 +275,11 @@ def _parts(portfolio: _Portfolio) -> list[Callable[[], None]]:
     ]
 
 
-def _left_touching(problem: PlanningProblem, stuck: Sequence[tuple[int, int]]) -> str:
+def _left_touching(problem: PlanningProblem, result: RelaxationResult) -> tuple[Reason, ...]:
     """What relaxation could not part."""
-    if not stuck:
-        return "relaxation left agents too near the walls"
-    names = ", ".join(f"{problem.agent_ids[a]} and {problem.agent_ids[b]}" for a, b in stuck[:5])
-    return f"relaxation left {len(stuck)} pairs touching: {names}"
+    if result.stuck:
+        return touching(problem, result.curves, result.stuck)
+    return (Reason("walls"),)
 
 
 def _straight_ways_are_clear(problem: PlanningProblem) -> bool:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -18,12 +18,8 @@ from scipy.spatial import cKDTree
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.problem.planning_problem import PlanningProblem
-from stplan.scene.interactions import Meeting, scene_meetings
-from stplan.scene.model import Scene
+from stplan.scene.interactions import Meeting
 from stplan.seeding.search.roadmap import build_roadmap
-
-if TYPE_CHECKING:
-    from stplan.world import FreeSpace
 
 # Candidates in the open: so many along every way, and so many from one way to the other.
 ALONG = 25
@@ -40,7 +36,7 @@ ROOM = 1.1
 Distances = Callable[[int, FloatArray], FloatArray]
 
 
-class MeetingPlace(NamedTuple):
+class Rendezvous(NamedTuple):
     """Where two agents are to meet: (2,) a place for each, m, and about when, s."""
 
     agents: tuple[int, int]
@@ -56,15 +52,14 @@ class _Itinerary:
     times: FloatArray
 
 
-def with_meeting_places(
-    problem: PlanningProblem, scene: Scene, free_space: FreeSpace | None
-) -> tuple[PlanningProblem, tuple[MeetingPlace, ...]]:
+def with_rendezvous(
+    problem: PlanningProblem,
+) -> tuple[PlanningProblem, tuple[Rendezvous, ...]]:
     """`problem` with a further waypoint for each agent of a meeting that finds its own way, and where.
 
     Meetings for which there is no good place are left out.
     """
-    meetings = scene_meetings(scene)
-    if not meetings:
+    if not problem.meetings:
         return problem, ()
     itineraries = []
     for agent in range(problem.num_agents):
@@ -73,8 +68,8 @@ def with_meeting_places(
         times[[0, -1]] = problem.start_times[agent], problem.max_times[agent]
         itineraries.append(_Itinerary(stops, times))
     found = []
-    for meeting in meetings:
-        place = _place(problem, meeting, itineraries, free_space)
+    for meeting in problem.meetings:
+        place = _place(problem, meeting, itineraries)
         if place is not None:
             found.append(place)
     waypoints = tuple(itinerary.stops[1:-1] for itinerary in itineraries)
@@ -85,10 +80,9 @@ def _place(
     problem: PlanningProblem,
     meeting: Meeting,
     itineraries: list[_Itinerary],
-    free_space: FreeSpace | None,
-) -> MeetingPlace | None:
+) -> Rendezvous | None:
     """A place, which becomes a stop of those who have to go there; None where there is no good one."""
-    # One that moves as told comes first: the other one stands beside it.
+    # One whose motion is prescribed comes first: the other one stands beside it.
     pair = (meeting.first, meeting.second)
     a, b = pair if problem.paths[pair[1]] is None else pair[::-1]
     if problem.paths[b] is not None:
@@ -99,11 +93,11 @@ def _place(
     if low >= high:
         return None
     times = np.linspace(low, high, TIMES + 2)[1:-1]
-    told = problem.paths[a]
-    positions = None if told is None else _at(told, times)
-    movers = [b] if told is not None else [a, b]
+    path = problem.paths[a]
+    positions = None if path is None else _at(path, times)
+    movers = [b] if path is not None else [a, b]
     stops = {agent: itineraries[agent].stops for agent in movers}
-    candidates, distances = _candidates(problem, stops, free_space, positions)
+    candidates, distances = _candidates(problem, stops, positions)
     by_leg = {
         agent: _costs(problem, agent, itineraries[agent], distances, times) for agent in movers
     }
@@ -116,7 +110,7 @@ def _place(
     c, k = np.unravel_index(int(total.argmin()), total.shape)
     legs = {agent: int(cost[:, c, k].argmin()) for agent, cost in by_leg.items()}
     ends = stops[b][legs[b] : legs[b] + 2]
-    beside = _beside(problem, (a, b), meeting.meet.within, candidates[c], ends, free_space)
+    beside = _beside(problem, (a, b), meeting.meet.within, candidates[c], ends)
     if beside is None:
         return None
     places = {a: candidates[c], b: beside}
@@ -124,7 +118,7 @@ def _place(
         own, at = itineraries[agent], legs[agent] + 1
         own.stops = np.insert(own.stops, at, places[agent], axis=0)
         own.times = np.insert(own.times, at, times[k])
-    return MeetingPlace(pair, (places[pair[0]], places[pair[1]]), float(times[k]))
+    return Rendezvous(pair, (places[pair[0]], places[pair[1]]), float(times[k]))
 
 
 def _at(curve: FloatArray, times: FloatArray) -> FloatArray:
@@ -135,11 +129,11 @@ def _at(curve: FloatArray, times: FloatArray) -> FloatArray:
 def _candidates(
     problem: PlanningProblem,
     stops: dict[int, FloatArray],
-    free_space: FreeSpace | None,
     positions: FloatArray | None,
 ) -> tuple[FloatArray, Distances]:
     """(C, 2) places for agents with `stops` (those in `positions` where given), and ways to them."""
     movers = list(stops)
+    free_space = problem.free_space
     if free_space is None or not problem.heeds_walls[movers].any():
         if positions is not None:
             candidates = positions
@@ -219,7 +213,6 @@ def _beside(
     within: float,
     place: FloatArray,
     ends: FloatArray,
-    free_space: FreeSpace | None,
 ) -> FloatArray | None:
     """Where the second agent stands when the first is at `place`, None where there is no room.
 
@@ -233,6 +226,7 @@ def _beside(
     angle = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
     places = place + apart * np.column_stack([np.cos(angle), np.sin(angle)])
     detour = np.hypot(*(places - ends[0]).T) + np.hypot(*(places - ends[1]).T)
+    free_space = problem.free_space
     if free_space is not None and problem.heeds_walls[b]:
         ahead = np.broadcast_to(place, places.shape)
         room = free_space.clearance(places) > ROOM * float(problem.radii[b])

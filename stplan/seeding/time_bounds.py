@@ -15,7 +15,9 @@ from scipy.sparse.csgraph import dijkstra
 from shapely.geometry.polygon import orient
 
 from stplan.arrays import FloatArray
-from stplan.scene.model import Agent, Scene, Visit
+from stplan.problem.planning_problem import PlanningProblem
+from stplan.reasons import Reason
+from stplan.scene.model import Agent, Visit
 
 if TYPE_CHECKING:
     from stplan.world import FreeSpace
@@ -29,27 +31,27 @@ MOST_CORNERS = 250
 ROUNDING = 1e-9
 
 
-def out_of_time(scene: Scene, free_space: FreeSpace | None) -> list[str]:
-    """A sentence for every agent that provably cannot keep its limits and its times."""
-    sentences = []
+def out_of_time(problem: PlanningProblem) -> tuple[Reason, ...]:
+    """A reason for every agent that provably cannot keep its limits and its times."""
+    reasons = []
     areas: dict[float, tuple[shapely.Geometry, FloatArray]] = {}
-    for agent in scene.agents:
+    for agent in problem.scene.agents:
         if agent.path is not None or (agent.max_speed is None and agent.max_acceleration is None):
             continue
         stops = np.array([agent.start, *agent.waypoints, agent.goal])
         legs = np.hypot(*np.diff(stops, axis=0).T)
-        sentence = _late(agent, legs)
-        if not sentence and free_space is not None and agent.weights.wall > 0:
+        reason = _late(agent, legs)
+        if reason is None and problem.free_space is not None and agent.weights.wall > 0:
             if agent.radius not in areas:
-                areas[agent.radius] = _corners(free_space, agent.radius)
-            sentence = _late(agent, _shortest(*areas[agent.radius], stops, legs))
-        if sentence:
-            sentences.append(sentence)
-    return sentences
+                areas[agent.radius] = _corners(problem.free_space, agent.radius)
+            reason = _late(agent, _shortest(*areas[agent.radius], stops, legs))
+        if reason is not None:
+            reasons.append(reason)
+    return tuple(reasons)
 
 
-def _late(agent: Agent, legs: FloatArray) -> str:
-    """What cannot be reached in time along ways of at least `legs` (m), or ""."""
+def _late(agent: Agent, legs: FloatArray) -> Reason | None:
+    """What cannot be reached in time along ways of at least `legs` (m), if anything."""
     visits = (*(agent.visits or (Visit(),) * len(agent.waypoints)), Visit())
     speed = np.inf if agent.max_speed is None else agent.max_speed
     now, length = agent.start_time, 0.0
@@ -59,19 +61,17 @@ def _late(agent: Agent, legs: FloatArray) -> str:
         now = max(now, begin) + visit.dwell
         last = min(end, agent.max_time)
         if now > last + ROUNDING * max(1.0, abs(last)):
-            goal = number == len(legs)
-            what = "reach its goal" if goal else f"have visited waypoint {number}"
-            return (
-                f"{agent.id} cannot {what} by {last:g} s: its way is at least {length:.4g} m long, "
-                f"and at {speed:g} m/s that takes until {now:.4g} s"
-            )
+            figures = {"latest": last, "earliest": now, "length": length}
+            if agent.max_speed is not None:
+                figures["speed"] = agent.max_speed
+            if number < len(legs):
+                figures["waypoint"] = number
+            return Reason("limits of time", (agent.id,), proven=True, figures=figures)
     limit, span = agent.max_acceleration, agent.max_time - agent.start_time
     if limit is not None and length > 0.5 * limit * span**2 * (1.0 + ROUNDING):
-        return (
-            f"{agent.id} cannot reach its goal by {agent.max_time:g} s: its way is at least "
-            f"{length:.4g} m long, too long from rest to rest at {limit:g} m/s2"
-        )
-    return ""
+        figures = {"latest": agent.max_time, "length": length, "acceleration": limit}
+        return Reason("limit of acceleration", (agent.id,), proven=True, figures=figures)
+    return None
 
 
 def _corners(free_space: FreeSpace, radius: float) -> tuple[shapely.Geometry, FloatArray]:

@@ -97,8 +97,8 @@ def test_a_draw_without_a_seed_is_a_failure(monkeypatch):
 def test_a_seed_that_does_not_hold_its_certificate_is_a_failure(monkeypatch):
     find = seeding.find_seed
 
-    def shifted(scene, free_space, *, progress):
-        seed = find(scene, free_space, progress=progress)
+    def shifted(problem, *, progress):
+        seed = find(problem, progress=progress)
         return replace(seed, world_lines=seed.world_lines.with_knots(seed.world_lines.knots + 1e-3))
 
     monkeypatch.setattr(seeding, "find_seed", shifted)

@@ -217,7 +217,7 @@ def test_scenes_that_ask_for_nothing_more_keep_their_seed() -> None:
     scene = parse_scene(HEAD + FAR)
     problem = PlanningProblem.from_scene(scene, None)
     assert not asks_for_more(problem)
-    seed = find_seed(scene, None, progress=lambda line: None)
+    seed = find_seed(problem, progress=lambda line: None)
     restored = restore(problem, seed.world_lines, progress=lambda line: None, stop=lambda: False)
     assert restored is seed.world_lines
 

@@ -23,8 +23,12 @@ from tests.seeding.tight_families import door, make_scene, rectangle
 ROOM = rectangle(0, 0, 8, 6)
 
 
+def problem_of(scene: Scene) -> PlanningProblem:
+    return PlanningProblem.from_scene(scene, build_free_space(scene))
+
+
 def seed(scene: Scene) -> Seed:
-    return find_seed(scene, build_free_space(scene), progress=lambda line: None)
+    return find_seed(problem_of(scene), progress=lambda line: None)
 
 
 def failure(scene: Scene) -> str:
@@ -96,9 +100,8 @@ def test_what_search_found_is_relaxed() -> None:
     parts = []
     for draw in range(3):
         scene = door(np.random.default_rng(draw), per_side=4)
-        free_space = build_free_space(scene)
-        problem = PlanningProblem.from_scene(scene, free_space)
-        found = search_curves(problem, free_space, settings=scene.seeding)
+        problem = problem_of(scene)
+        found = search_curves(problem, settings=scene.seeding)
         assert found.curves is not None
         smooth = smooth_curves(problem, found.curves, margin=1.05, rng_seed=0, check=lambda: None)
         assert verify(problem, smooth) == []

@@ -7,7 +7,7 @@ import pytest
 
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene import parse_scene
-from stplan.seeding.rendezvous import MeetingPlace, with_meeting_places
+from stplan.seeding.rendezvous import Rendezvous, with_rendezvous
 from stplan.world import build_free_space
 
 FAR = (
@@ -18,10 +18,9 @@ MEET = "pairs: [{between: [a, b], meet: {within: 1.0%s}}]\n"
 
 def places(
     agents: str, more: str, world: str = ""
-) -> tuple[PlanningProblem, tuple[MeetingPlace, ...]]:
+) -> tuple[PlanningProblem, tuple[Rendezvous, ...]]:
     scene = parse_scene(f"stplan: 1\nhorizon: 20\n{world}agents:\n{agents}{more}")
-    free_space = build_free_space(scene)
-    return with_meeting_places(PlanningProblem.from_scene(scene, free_space), scene, free_space)
+    return with_rendezvous(PlanningProblem.from_scene(scene, build_free_space(scene)))
 
 
 def test_equals_meet_half_way_at_half_time() -> None:

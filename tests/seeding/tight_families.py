@@ -53,10 +53,9 @@ def measure(family: str, count: int, first_seed: int = 1000) -> str:
     solved = 0
     for seed in range(first_seed - 1, first_seed + count):
         scene = FAMILIES[family](np.random.default_rng(seed))
-        free_space = build_free_space(scene)
-        problem = PlanningProblem.from_scene(scene, free_space)
+        problem = PlanningProblem.from_scene(scene, build_free_space(scene))
         begin = time.process_time()
-        result = search_curves(problem, free_space, settings=scene.seeding)
+        result = search_curves(problem, settings=scene.seeding)
         if seed < first_seed:
             # The first one only warms up.
             continue

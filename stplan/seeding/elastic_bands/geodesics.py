@@ -8,7 +8,6 @@ that keep the agent's clearance, until that no longer shortens it.
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -20,11 +19,7 @@ from stplan.geometry.rod_distances import grid_arrays, shortest_shortcut
 from stplan.problem.clearance import requirement
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.seeding.search.graph import Graph
-from stplan.seeding.search.planner import exact_points
 from stplan.seeding.search.roadmap import build_roadmap
-
-if TYPE_CHECKING:
-    from stplan.world import FreeSpace
 
 # Clearances tried, in radii: the widest that leaves a way keeps the string off the walls.
 MARGINS = (1.05, 1.02, 1.005, 1.001)
@@ -33,15 +28,13 @@ PULLS = 3
 PIECES = 24
 
 
-def geodesic_curves(
-    problem: PlanningProblem, free_space: FreeSpace | None
-) -> list[FloatArray | None]:
+def geodesic_curves(problem: PlanningProblem) -> list[FloatArray | None]:
     """One (n, 3) curve an agent from its start time to the time it would like to arrive.
 
     None where an agent's stops are not connected at its radius. Agents that move as told keep
     their paths; those that ignore walls, and all in the open plane, go straight.
     """
-    ways = _geodesics(problem, free_space)
+    ways = _geodesics(problem)
     curves: list[FloatArray | None] = []
     for agent, way in enumerate(ways):
         given = problem.paths[agent]
@@ -54,9 +47,9 @@ def geodesic_curves(
     return curves
 
 
-def _geodesics(problem: PlanningProblem, free_space: FreeSpace | None) -> list[FloatArray | None]:
+def _geodesics(problem: PlanningProblem) -> list[FloatArray | None]:
     """Plane polylines (n, 2), None where there is no way (or a given path)."""
-    stops = exact_points(problem)
+    stops, free_space = problem.stops, problem.free_space
     ways: list[FloatArray | None] = [
         points if len(points) and (free_space is None or not problem.heeds_walls[agent]) else None
         for agent, points in enumerate(stops)

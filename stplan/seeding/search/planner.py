@@ -56,7 +56,7 @@ class Journeys:
         self.hops: list[IntArray] = []
         masks: dict[float, BoolArray] = {}
         position = 0
-        for agent, points in enumerate(exact_points(problem)):
+        for agent, points in enumerate(problem.stops):
             places = place_of[position : position + len(points)]
             position += len(points)
             limit = float(required.walls[agent]) if problem.heeds_walls[agent] else -math.inf
@@ -77,16 +77,6 @@ class Journeys:
     def stranded(self) -> list[int]:
         """Agents whose start and goal are not connected."""
         return [int(agent) for agent in np.flatnonzero(self.distance >= UNREACHABLE)]
-
-
-def exact_points(problem: PlanningProblem) -> list[FloatArray]:
-    """Start, waypoints and goal of every agent, (0, 2) for agents that move as told."""
-    return [
-        np.empty((0, 2))
-        if problem.paths[agent] is not None
-        else np.vstack([problem.starts[agent], problem.waypoints[agent], problem.goals[agent]])
-        for agent in range(problem.num_agents)
-    ]
 
 
 def _hops_of_legs(graph: Graph, targets: IntArray, free: BoolArray) -> IntArray:

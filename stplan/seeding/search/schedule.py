@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,15 +18,14 @@ from stplan.arrays import FloatArray
 from stplan.compiled import working_time
 from stplan.problem.clearance import Requirement, held_requirement, requirement, verify
 from stplan.problem.planning_problem import PlanningProblem
+from stplan.reasons import Reason
 from stplan.scene.model import SeedingSettings
 from stplan.seeding.infeasibility import (
-    Reason,
-    hopeless,
-    late,
     no_way_past,
     not_connected,
     stranded,
-    stuck,
+    too_few_layers,
+    touching,
 )
 from stplan.seeding.search.joint import MOST_AGENTS, plan_jointly
 from stplan.seeding.search.large_neighbourhood import first_curves, repair
@@ -35,14 +33,10 @@ from stplan.seeding.search.planner import (
     Journeys,
     LayeredPlanner,
     automatic_layers,
-    exact_points,
 )
 from stplan.seeding.search.prioritized import plan_prioritized
 from stplan.seeding.search.priority_based import plan_priority_based
 from stplan.seeding.search.roadmap import build_roadmap
-
-if TYPE_CHECKING:
-    from stplan.world import FreeSpace
 
 Progress = Callable[[str], None]
 
@@ -90,9 +84,7 @@ class SearchResult:
 class _Level:
     """Everything that depends on the margin alone."""
 
-    def __init__(
-        self, problem: PlanningProblem, free_space: FreeSpace | None, margin: float, refine: float
-    ) -> None:
+    def __init__(self, problem: PlanningProblem, margin: float, refine: float) -> None:
         self.margin = margin
         # Set once it is known that this margin's roadmap has no solution.
         self.hopeless = False
@@ -101,8 +93,8 @@ class _Level:
         heeding = problem.heeds_walls[self.movers]
         radii = self.required.walls[self.movers]
         roadmap = build_roadmap(
-            free_space,
-            np.vstack(exact_points(problem)),
+            problem.free_space,
+            np.vstack(problem.stops),
             radii[heeding] if heeding.any() else radii,
             ignores_walls=not heeding.all(),
             refine=refine,
@@ -126,7 +118,6 @@ def schedule(num_margins: int) -> list[Stage]:
 
 def search_curves(
     problem: PlanningProblem,
-    free_space: FreeSpace | None,
     *,
     settings: SeedingSettings,
     progress: Progress | None = None,
@@ -146,11 +137,9 @@ def search_curves(
     given = [path for path in problem.paths if path is not None]
     if len(given) == problem.num_agents:
         return SearchResult(given, "given paths", settings.margin, 0, ())
-    reasons = hopeless(problem, free_space)
-    if reasons:
-        return SearchResult(None, "", settings.margin, 0, reasons)
     margins = [settings.margin, *(m for m in SMALLER_MARGINS if m < settings.margin)]
     levels: list[_Level | None] = [None] * len(margins)
+    reasons: tuple[Reason, ...] = ()
     tries = 0
     for number, stage in enumerate(schedule(len(margins))):
         if not efforts[0] <= stage.effort <= efforts[1]:
@@ -159,7 +148,7 @@ def search_curves(
             break
         level = levels[stage.level]
         if level is None:
-            level = _connected_level(problem, free_space, margins[stage.level])
+            level = _connected_level(problem, margins[stage.level])
             levels[stage.level] = level
         if level.journeys.stranded():
             reasons = reasons or stranded(problem, level.journeys.stranded(), level.margin)
@@ -175,7 +164,7 @@ def search_curves(
             problem, level.graph, level.journeys, level.required, count * stage.layers
         )
         if planner.too_late():
-            reasons = reasons or late(problem, planner.too_late(), planner.grid.count)
+            reasons = reasons or too_few_layers(problem, planner.too_late(), planner.grid.count)
             continue
         say(
             f"searching: margin {level.margin:g}, {planner.graph.num_vertices} vertices, "
@@ -193,7 +182,6 @@ def search_curves(
 
 def repair_curves(
     problem: PlanningProblem,
-    free_space: FreeSpace | None,
     curves: Sequence[FloatArray],
     *,
     settings: SeedingSettings,
@@ -210,7 +198,7 @@ def repair_curves(
     reasons: tuple[Reason, ...] = ()
     tries = 0
     for number, (margin, layers) in enumerate(REPAIR_STAGES):
-        level = _connected_level(problem, free_space, min(margin, settings.margin))
+        level = _connected_level(problem, min(margin, settings.margin))
         if level.journeys.stranded():
             reasons = reasons or stranded(problem, level.journeys.stranded(), level.margin)
             continue
@@ -221,7 +209,7 @@ def repair_curves(
         required = Requirement(np.maximum(held.rods, floor), level.required.walls)
         planner = LayeredPlanner(problem, level.graph, level.journeys, required, count * layers)
         if planner.too_late():
-            reasons = reasons or late(problem, planner.too_late(), planner.grid.count)
+            reasons = reasons or too_few_layers(problem, planner.too_late(), planner.grid.count)
             continue
         say(f"repairing: {planner.graph.num_vertices} vertices, {planner.grid.count} layers")
         rng = np.random.default_rng([settings.rng_seed, number])
@@ -229,23 +217,21 @@ def repair_curves(
         tries += mended.iterations
         if mended.conflicts == 0 and not verify(problem, mended.curves):
             return SearchResult(mended.curves, "repair", level.margin, tries, ())
-        reasons = stuck(problem, mended.curves, mended.touching)
+        reasons = touching(problem, mended.curves, mended.touching)
         if working_time() > deadline:
             break
     return SearchResult(None, "", settings.margin, tries, reasons)
 
 
-def _connected_level(
-    problem: PlanningProblem, free_space: FreeSpace | None, margin: float
-) -> _Level:
+def _connected_level(problem: PlanningProblem, margin: float) -> _Level:
     """The roadmap of a margin; finer where the first one misses ways that the free space has."""
-    level = _Level(problem, free_space, margin, 1.0)
-    if level.journeys.stranded() and not_connected(problem, free_space, level.required.walls):
+    level = _Level(problem, margin, 1.0)
+    if level.journeys.stranded() and not_connected(problem, level.required.walls):
         return level
     for refine in (2.0, 4.0):
         if not level.journeys.stranded():
             break
-        level = _Level(problem, free_space, margin, refine)
+        level = _Level(problem, margin, refine)
     return level
 
 
@@ -286,7 +272,7 @@ def _run_stage(
         tries += tree.nodes
         if tree.curves is not None:
             return _Attempt(tree.curves, "priority-based", tries, ())
-    group = _knot(planner, mended.touching)
+    group = _group(planner, mended.touching)
     # More layers do not help the joint search: once a margin.
     once = (1, 1) if count <= MOST_AGENTS else (2, 2)
     if group and (stage.layers, stage.effort) == once:
@@ -296,13 +282,13 @@ def _run_stage(
             return _Attempt(joint.curves, "joint", tries, ())
         if joint.impossible:
             return _Attempt(None, "", tries, no_way_past(planner, group), impossible=True)
-    return _Attempt(None, "", tries, stuck(planner.problem, mended.curves, mended.touching))
+    return _Attempt(None, "", tries, touching(planner.problem, mended.curves, mended.touching))
 
 
-def _knot(planner: LayeredPlanner, touching: Sequence[tuple[int, int]]) -> list[int]:
+def _group(planner: LayeredPlanner, pairs: Sequence[tuple[int, int]]) -> list[int]:
     """Two or three agents that block each other, for a joint search; none if there are more."""
     group: list[int] = []
-    for pair in touching:
+    for pair in pairs:
         group += [agent for agent in pair if agent not in group]
     if 2 <= len(planner.movers) <= MOST_AGENTS:
         group = list(planner.movers)

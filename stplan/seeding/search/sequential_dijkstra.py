@@ -18,15 +18,16 @@ from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import working_time
 from stplan.problem.clearance import requirement, verify
 from stplan.problem.planning_problem import PlanningProblem
+from stplan.reasons import Reason
 from stplan.scene.model import SeedingSettings
-from stplan.seeding.infeasibility import hopeless, late, no_order, off_mesh
+from stplan.seeding.infeasibility import no_order, stranded, too_few_layers
 from stplan.seeding.search.layered_dijkstra import HARD, space_time_length
-from stplan.seeding.search.planner import Journeys, LayeredPlanner, automatic_layers, exact_points
+from stplan.seeding.search.planner import Journeys, LayeredPlanner, automatic_layers
 from stplan.seeding.search.roadmap import mesh_roadmap
 from stplan.seeding.search.schedule import SearchResult
 
 if TYPE_CHECKING:
-    from stplan.world import FreeSpace, SeedingMesh
+    from stplan.world import SeedingMesh
 
 MARGINS = (1.02, 1.005, 1.001)
 LAYER_FACTORS = (1, 2, 4)
@@ -34,7 +35,6 @@ LAYER_FACTORS = (1, 2, 4)
 
 def dijkstra_curves(
     problem: PlanningProblem,
-    free_space: FreeSpace | None,
     mesh: SeedingMesh,
     *,
     settings: SeedingSettings,
@@ -46,23 +46,21 @@ def dijkstra_curves(
     """
     say = progress or (lambda line: None)
     deadline = working_time() + settings.time_limit
-    reasons = hopeless(problem, free_space)
-    if reasons:
-        return SearchResult(None, "", settings.margin, 0, reasons)
+    reasons: tuple[Reason, ...] = ()
     rng = np.random.default_rng(settings.rng_seed)
-    roadmap = mesh_roadmap(mesh, np.vstack(exact_points(problem)))
+    roadmap = mesh_roadmap(mesh, np.vstack(problem.stops))
     tries = 0
     for factor in LAYER_FACTORS:
         for margin in (settings.margin, *(m for m in MARGINS if m < settings.margin)):
             required = requirement(problem, margin)
             journeys = Journeys(problem, roadmap.graph, roadmap.place_of, required)
             if journeys.stranded():
-                reasons = reasons or off_mesh(problem, journeys.stranded(), margin)
+                reasons = reasons or stranded(problem, journeys.stranded(), margin, "mesh")
                 continue
             layers = settings.layers or automatic_layers(problem, roadmap.graph, journeys)
             planner = LayeredPlanner(problem, roadmap.graph, journeys, required, factor * layers)
             if planner.too_late():
-                reasons = reasons or late(problem, planner.too_late(), planner.grid.count)
+                reasons = reasons or too_few_layers(problem, planner.too_late(), planner.grid.count)
                 continue
             say(f"Dijkstra: {roadmap.graph.num_vertices} vertices, {planner.grid.count} layers")
             curves, orders, failures = _in_orders(planner, rng, lambda: working_time() > deadline)

@@ -13,21 +13,21 @@ from stplan.scene.model import Scene
 from stplan.scene.reading.load import load_scene
 from stplan.seeding.elastic_bands.geodesics import geodesic_curves
 from stplan.seeding.search.schedule import SearchResult, repair_curves, search_curves
-from stplan.world import FreeSpace, build_free_space
+from stplan.wording import sentences
+from stplan.world import build_free_space
 from tests.seeding import tight_families as families
 
 SCENES = Path(__file__).parents[3] / "scenes"
 
 
-def prepared(scene: Scene) -> tuple[PlanningProblem, FreeSpace | None]:
-    free_space = build_free_space(scene)
-    return PlanningProblem.from_scene(scene, free_space), free_space
+def prepared(scene: Scene) -> PlanningProblem:
+    return PlanningProblem.from_scene(scene, build_free_space(scene))
 
 
 def searched(scene: Scene) -> SearchResult:
-    problem, free_space = prepared(scene)
-    result = search_curves(problem, free_space, settings=scene.seeding)
-    assert result.curves is not None, [reason.sentence for reason in result.diagnosis]
+    problem = prepared(scene)
+    result = search_curves(problem, settings=scene.seeding)
+    assert result.curves is not None, sentences(result.diagnosis)
     assert verify(problem, result.curves) == []
     return result
 
@@ -93,21 +93,21 @@ def test_others_are_planned_around_a_joint_pair() -> None:
 @pytest.mark.parametrize("family", ["warehouse", "pillars", "door"])
 def test_curves_that_touch_are_repaired(family: str) -> None:
     scene = SMALL[family](np.random.default_rng(6))
-    problem, free_space = prepared(scene)
-    ways = [way for way in geodesic_curves(problem, free_space) if way is not None]
+    problem = prepared(scene)
+    ways = [way for way in geodesic_curves(problem) if way is not None]
     touching = {a for pair in rod_clearances(problem, ways).violations for a in pair[:2]}
     assert touching
-    result = repair_curves(problem, free_space, ways, settings=scene.seeding)
+    result = repair_curves(problem, ways, settings=scene.seeding)
     assert result.curves is not None
     assert verify(problem, result.curves) == []
 
 
 def test_curves_that_are_clear_are_left_alone() -> None:
     scene = SMALL["pillars"](np.random.default_rng(6))
-    problem, free_space = prepared(scene)
+    problem = prepared(scene)
     curves = searched(scene).curves
     assert curves is not None
-    result = repair_curves(problem, free_space, curves, settings=scene.seeding)
+    result = repair_curves(problem, curves, settings=scene.seeding)
     assert result.curves is not None
     assert all(np.array_equal(a, b) for a, b in zip(curves, result.curves, strict=True))
 
@@ -115,8 +115,8 @@ def test_curves_that_are_clear_are_left_alone() -> None:
 @pytest.mark.parametrize("family", ["corridor", "cabin two deep", "pillars"])
 def test_geodesics_are_clear_of_the_walls_and_short(family: str) -> None:
     scene = SMALL[family](np.random.default_rng(8))
-    problem, free_space = prepared(scene)
-    for agent, way in enumerate(geodesic_curves(problem, free_space)):
+    problem = prepared(scene)
+    for agent, way in enumerate(geodesic_curves(problem)):
         assert way is not None
         assert wall_clearance(problem, agent, way) > problem.radii[agent]
         assert tuple(way[0]) == (*problem.starts[agent], 0.0)
@@ -133,8 +133,8 @@ def test_a_geodesic_round_a_corner_is_taut() -> None:
         [((8.0, 1.0), (1.0, 8.0))],
         radii=0.5,
     )
-    problem, free_space = prepared(scene)
-    way = geodesic_curves(problem, free_space)[0]
+    problem = prepared(scene)
+    way = geodesic_curves(problem)[0]
     assert way is not None
     length = float(np.hypot(*np.diff(way[:, :2], axis=0).T).sum())
     # Round the corner (6, 6) on an arc of the radius, straight to both ends.

@@ -7,11 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from stplan.errors import SeedingError
 from stplan.problem.clearance import requirement, verify
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.model import PairRule, Scene, Weights
+from stplan.seeding.portfolio import find_seed
 from stplan.seeding.search.planner import MAX_CLASSES, classes
 from stplan.seeding.search.schedule import SearchResult, search_curves
+from stplan.wording import sentences
 from stplan.world import build_free_space
 from tests.seeding.tight_families import make_scene, rectangle
 
@@ -20,14 +23,13 @@ CROSSING = [((1.0, 3.0), (7.0, 3.0)), ((7.0, 3.0), (1.0, 3.0)), ((4.0, 1.0), (4.
 
 
 def search(scene: Scene) -> tuple[PlanningProblem, SearchResult]:
-    free_space = build_free_space(scene)
-    problem = PlanningProblem.from_scene(scene, free_space)
-    return problem, search_curves(problem, free_space, settings=scene.seeding)
+    problem = PlanningProblem.from_scene(scene, build_free_space(scene))
+    return problem, search_curves(problem, settings=scene.seeding)
 
 
 def solved(scene: Scene) -> tuple[PlanningProblem, list[np.ndarray]]:
     problem, result = search(scene)
-    assert result.curves is not None, [reason.sentence for reason in result.diagnosis]
+    assert result.curves is not None, sentences(result.diagnosis)
     assert verify(problem, result.curves) == []
     return problem, result.curves
 
@@ -120,28 +122,31 @@ def test_one_moment_is_found_in_the_right_place_for_many_radii() -> None:
     assert (kept[off] >= problem.distance[off]).all()
 
 
-def reasons(scene: Scene) -> dict[str, tuple[tuple[int, ...], bool]]:
-    _, result = search(scene)
-    assert result.curves is None
-    assert all(reason.sentence for reason in result.diagnosis)
-    return {reason.kind: (reason.agents, reason.proven) for reason in result.diagnosis}
+def reasons(scene: Scene) -> dict[str, tuple[tuple[str, ...], bool]]:
+    with pytest.raises(SeedingError) as refused:
+        find_seed(
+            PlanningProblem.from_scene(scene, build_free_space(scene)), progress=lambda line: None
+        )
+    found = refused.value.reasons
+    assert len(str(refused.value).splitlines()) == len(found)
+    return {reason.kind: (reason.agents, reason.proven) for reason in found}
 
 
 def test_starts_that_touch_are_a_proven_reason() -> None:
     journeys = [((1.0, 3.0), (7.0, 3.0)), ((1.5, 3.0), (7.0, 5.0))]
-    assert reasons(make_scene("x", ROOM, [], journeys))["start"] == ((0, 1), True)
+    assert reasons(make_scene("x", ROOM, [], journeys))["start"] == (("a0", "a1"), True)
 
 
 def test_goals_that_touch_are_a_proven_reason_for_those_who_stay() -> None:
     journeys = [((1.0, 3.0), (7.0, 3.0)), ((1.0, 5.0), (7.0, 3.5))]
-    assert reasons(make_scene("x", ROOM, [], journeys))["goal"] == ((0, 1), True)
+    assert reasons(make_scene("x", ROOM, [], journeys))["goal"] == (("a0", "a1"), True)
     solved(make_scene("x", ROOM, [], journeys, stay=False))
 
 
 def test_a_wall_between_start_and_goal_is_a_proven_reason() -> None:
     wall = rectangle(3.5, 0.55, 4.5, 7)
     scene = make_scene("x", ROOM, [wall], CROSSING[:1])
-    assert reasons(scene)["not connected"] == ((0,), True)
+    assert reasons(scene)["not connected"] == (("a0",), True)
 
 
 def test_too_few_layers_are_named() -> None:
@@ -159,11 +164,11 @@ def test_a_swap_in_a_lane_without_a_pocket_is_given_up_soon() -> None:
     assert result.curves is None
     (reason,) = result.diagnosis
     assert reason.kind == "blocked"
-    assert reason.agents == (0, 1)
+    assert reason.agents == ("a0", "a1")
     assert result.tries < 1000
 
 
-def test_a_knot_of_many_says_who_touches_where_and_when() -> None:
+def test_a_jam_of_many_says_who_touches_where_and_when() -> None:
     lane = rectangle(0, 0, 12, 0.8)
     x = [1.0, 2.0, 3.0, 9.0, 10.0, 11.0]
     journeys = [((a, 0.4), (b, 0.4)) for a, b in zip(x, x[::-1], strict=True)]

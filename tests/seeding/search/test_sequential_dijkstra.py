@@ -19,7 +19,7 @@ def dijkstra(scene: Scene) -> tuple[PlanningProblem, SearchResult]:
     free_space = build_free_space(scene)
     problem = PlanningProblem.from_scene(scene, free_space)
     mesh = build_seeding_mesh(scene, free_space)
-    return problem, dijkstra_curves(problem, free_space, mesh, settings=scene.seeding)
+    return problem, dijkstra_curves(problem, mesh, settings=scene.seeding)
 
 
 def circle(count: int) -> Scene:
@@ -76,7 +76,7 @@ def test_a_swap_that_no_order_solves_is_reported() -> None:
     _, result = dijkstra(families.make_scene("lane", lane, [], journeys, horizon=20.0))
     assert result.curves is None
     assert {reason.kind for reason in result.diagnosis} == {"order"}
-    assert {reason.agents[0] for reason in result.diagnosis} <= {0, 1}
+    assert {reason.agents[0] for reason in result.diagnosis} <= {"a0", "a1"}
 
 
 def test_too_few_layers_are_reported() -> None:

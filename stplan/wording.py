@@ -1,0 +1,186 @@
+"""Reasons in words: a headline for all of them, and a sentence for each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from stplan.reasons import Kind, Reason
+
+_LIMITS = ("limits of time", "limit of acceleration")
+
+
+def in_words(reasons: Sequence[Reason]) -> str:
+    """The headline, then a line a reason."""
+    return f"{headline(reasons)}: " + "\n  ".join(sentences(reasons))
+
+
+def headline(reasons: Sequence[Reason]) -> str:
+    """What all `reasons` come to: that there are no curves, or only that none were found."""
+    if all(reason.kind in _LIMITS for reason in reasons):
+        return "no curves keep the limits of the scene"
+    if all(reason.proven for reason in reasons):
+        return "no collision-free curves exist"
+    return "no collision-free initial curves"
+
+
+def sentences(reasons: Sequence[Reason]) -> list[str]:
+    """A sentence for each reason, those that say the same only once."""
+    return list(dict.fromkeys(sentence(reason) for reason in reasons))
+
+
+def sentence(reason: Reason) -> str:
+    """One reason in words."""
+    return _SENTENCES[reason.kind](reason)
+
+
+def _names(reason: Reason) -> str:
+    """The agents, as a list in words."""
+    return " and ".join(reason.agents)
+
+
+def _start(reason: Reason) -> str:
+    figures = reason.figures
+    text = (
+        f"{_names(reason)} start {figures['distance']:.4g} m apart in space-time, "
+        f"not over {figures['required']:.4g} m"
+    )
+    if reason.times is not None and reason.times[0] != reason.times[1]:
+        text += ", at this time_scale; a larger one keeps their times further apart"
+    return text
+
+
+def _goal(reason: Reason) -> str:
+    figures = reason.figures
+    return (
+        f"{_names(reason)} stay on goals {figures['distance']:.4g} m apart, "
+        f"not over {figures['required']:.4g} m"
+    )
+
+
+def _not_connected(reason: Reason) -> str:
+    figures = reason.figures
+    between = "its start, waypoints and goal" if figures["stops"] > 2 else "its start and goal"
+    if figures["widest"] == 0.0:
+        return f"{_names(reason)}: {between} lie in separate parts of the map"
+    return (
+        f"{_names(reason)}: no way connects {between} at its radius; the widest lets a radius of "
+        f"{figures['widest']:.3g} m through, the agent's is {figures['radius']:g} m"
+    )
+
+
+def _limits_of_time(reason: Reason) -> str:
+    figures = reason.figures
+    what = "reach its goal"
+    if "waypoint" in figures:
+        what = f"have visited waypoint {figures['waypoint']:.0f}"
+    text = (
+        f"{_names(reason)} cannot {what} by {figures['latest']:g} s: "
+        f"its way is at least {figures['length']:.4g} m long, and "
+    )
+    if "speed" in figures:
+        text += f"at {figures['speed']:g} m/s "
+    return text + f"that takes until {figures['earliest']:.4g} s"
+
+
+def _limit_of_acceleration(reason: Reason) -> str:
+    figures = reason.figures
+    return (
+        f"{_names(reason)} cannot reach its goal by {figures['latest']:g} s: its way is at least "
+        f"{figures['length']:.4g} m long, too long from rest to rest at "
+        f"{figures['acceleration']:g} m/s2"
+    )
+
+
+def _no_way(reason: Reason) -> str:
+    return f"{_names(reason)}: no shortest way around the walls was found to relax"
+
+
+def _roadmap(reason: Reason) -> str:
+    return _unproven(
+        f"{_names(reason)}: the roadmap has no way from start to goal "
+        f"that keeps {reason.figures['margin']:g} times the radius from the walls"
+    )
+
+
+def _mesh(reason: Reason) -> str:
+    return _unproven(
+        f"{_names(reason)}: no edges of the mesh lead from start to goal at "
+        f"{reason.figures['margin']:g} times its radius from the walls; lower map.resolution"
+    )
+
+
+def _layers(reason: Reason) -> str:
+    return _unproven(
+        f"{_names(reason)}: {reason.figures['layers']:g} time layers are too few for its way; "
+        "raise seeding.layers"
+    )
+
+
+def _order(reason: Reason) -> str:
+    return _unproven(
+        f"{_names(reason)} found no way past the others in {reason.figures['orders']:g} orders"
+    )
+
+
+def _blocked(reason: Reason) -> str:
+    return _unproven(
+        f"{_names(reason)} cannot get past each other, whatever detours they take: all their joint "
+        f"positions on a roadmap of {reason.figures['vertices']:.0f} points were searched"
+    )
+
+
+def _touching(reason: Reason) -> str:
+    if "pairs" in reason.figures:
+        return _unproven(
+            f"{reason.figures['pairs']:.0f} pairs of {len(reason.agents)} agents touch in the "
+            "best curves found"
+        )
+    text = f"{_names(reason)} still block each other"
+    if reason.place is not None and reason.times is not None:
+        (x, y), (first, last) = reason.place, reason.times
+        text += f" near ({x:.2f}, {y:.2f}) at {first:.1f} to {last:.1f} s"
+    return _unproven(text)
+
+
+def _walls(reason: Reason) -> str:
+    who = _names(reason) or "agents"
+    return f"relaxation left {who} too near the walls"
+
+
+def _not_clear(reason: Reason) -> str:
+    return f"{_names(reason)}: initial curves were found but did not stay clear"
+
+
+def _time_limit(reason: Reason) -> str:
+    return f"not found within {reason.figures['limit']:g} s; raise seeding.time_limit to go on"
+
+
+def _unprepared(reason: Reason) -> str:
+    return (
+        "clear curves were found, but not shortened and given their knots within "
+        f"{reason.figures['limit']:g} s; raise seeding.time_limit to go on"
+    )
+
+
+def _unproven(text: str) -> str:
+    return f"{text} (not found within the limit)"
+
+
+_SENTENCES: dict[Kind, Callable[[Reason], str]] = {
+    "start": _start,
+    "goal": _goal,
+    "not connected": _not_connected,
+    "limits of time": _limits_of_time,
+    "limit of acceleration": _limit_of_acceleration,
+    "no way": _no_way,
+    "roadmap": _roadmap,
+    "mesh": _mesh,
+    "layers": _layers,
+    "order": _order,
+    "blocked": _blocked,
+    "touching": _touching,
+    "walls": _walls,
+    "not clear": _not_clear,
+    "time limit": _time_limit,
+    "unprepared": _unprepared,
+}
