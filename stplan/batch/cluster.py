@@ -6,6 +6,7 @@ workers, under the same path.
 
 from __future__ import annotations
 
+import gc
 import logging
 import queue
 import threading
@@ -134,6 +135,9 @@ def _client(address: str, jobs: int) -> Iterator[Client]:
         ):  # fmt: skip
             yield client
         return
+    # A client that failed to connect before is finalised now: while another one starts, its finaliser
+    # would wait for ever for a lock that this thread holds.
+    gc.collect()
     try:
         client = Client(address, timeout=PATIENCE)
     except (OSError, ValueError) as error:
