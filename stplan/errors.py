@@ -10,6 +10,10 @@ from collections.abc import Sequence
 from stplan.reasons import Reason
 from stplan.wording import in_words
 
+# So many violations of initial curves are listed.
+MOST_VIOLATIONS = 5
+BROKEN_SEED = "no initial curves were found that hold their certificate"
+
 
 class StplanError(Exception):
     """Base of every error this package raises on purpose; ``exit_status`` is the command's."""
@@ -50,6 +54,21 @@ class SeedingError(StplanError):
         return in_words(self.reasons) if self.reasons else super().__str__()
 
 
+class BrokenSeedError(SeedingError):
+    """Clear initial curves were found, but none that keep all that the scene asks.
+
+    Attributes:
+        violations: what the best of them miss, a sentence each.
+    """
+
+    def __init__(self, violations: Sequence[str]) -> None:
+        self.violations = tuple(violations)
+        shown = [*violations[:MOST_VIOLATIONS]]
+        more = len(violations) - len(shown)
+        shown += [f"and {more} more"] if more else []
+        super().__init__(f"{BROKEN_SEED}; of the best ones:\n  " + "\n  ".join(shown))
+
+
 class SolverError(StplanError):
     """The optimiser is missing something it was asked for (a linear solver, an option)."""
 
@@ -68,8 +87,19 @@ class OutOfMemoryError(StplanError):
         )
 
 
+class StoppedError(StplanError):
+    """The work was asked to stop before it had a result."""
+
+    exit_status = 130
+
+    def __init__(self) -> None:
+        super().__init__("interrupted before there was a result; nothing was written")
+
+
 def as_stplan_error(error: BaseException) -> StplanError | None:
     """`error` as one of this package's, or None where it is a bug."""
     if isinstance(error, StplanError):
         return error
+    if isinstance(error, KeyboardInterrupt):
+        return StoppedError()
     return OutOfMemoryError() if isinstance(error, MemoryError) else None

@@ -55,7 +55,7 @@ def found(run: Run, folder: Path) -> Found:
     if not isinstance(scene, dict) or scene.get("hash") != run.content_hash:
         return Found("the scene, its mesh or its settings have changed")
     # Loaded late: where nothing is done yet, the workers alone need what plans.
-    from stplan.planner import versions
+    from stplan.report import versions
 
     if report.get("versions") != versions():
         return Found("planned by other versions")

@@ -25,6 +25,7 @@ from stplan.batch.outcome import Outcome
 from stplan.batch.runs import Run
 from stplan.batch.worker import ONE_THREAD, execute
 from stplan.errors import UsageError
+from stplan.stopping import StopRequest
 
 # Seconds a worker has to give back its best so far, once its time is over or it is interrupted.
 GRACE = 10.0
@@ -218,24 +219,26 @@ def _serve(connection: Connection, timeout: float | None) -> None:
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     os.environ.update(ONE_THREAD)
     threading.Thread(target=_die_with_the_batch, daemon=True).start()
-    planning = asked = False
+    ended = False
+    stop: StopRequest | None = None  # To the run at work.
 
-    def interrupt(number: int, frame: FrameType | None) -> None:
-        nonlocal asked
+    def end(number: int, frame: FrameType | None) -> None:
+        nonlocal ended
         del number, frame
-        asked = True
-        if planning:
-            raise KeyboardInterrupt
+        ended = True
+        if stop is not None:
+            stop.make()
 
-    signal.signal(signal.SIGTERM, interrupt)
+    # A process of its own, which the batch asks to stop by SIGTERM.
+    signal.signal(signal.SIGTERM, end)
     with suppress(EOFError, OSError):
         while True:
             run = connection.recv()
-            if asked:
+            if ended:
                 return
-            planning = True
-            outcome = execute(run, timeout, connection.send)
-            planning = False
+            stop = StopRequest()
+            outcome = execute(run, timeout, connection.send, stop)
+            stop = None
             connection.send(outcome)
 
 

@@ -8,7 +8,14 @@ from collections.abc import Callable
 
 from stplan.batch.outcome import Outcome
 from stplan.batch.runs import Run
-from stplan.errors import OutOfMemoryError, SceneError, SeedingError, StplanError, as_stplan_error
+from stplan.errors import (
+    OutOfMemoryError,
+    SceneError,
+    SeedingError,
+    StoppedError,
+    StplanError,
+    as_stplan_error,
+)
 
 # A library that counts the cores would have every worker start as many threads.
 ONE_THREAD = dict.fromkeys(
@@ -16,12 +23,18 @@ ONE_THREAD = dict.fromkeys(
 )
 
 
-def execute(run: Run, timeout: float | None, say: Callable[[str], None]) -> Outcome:
+def execute(
+    run: Run,
+    timeout: float | None,
+    say: Callable[[str], None],
+    stop: Callable[[], bool] = lambda: False,
+) -> Outcome:
     """Plan `run`; every way to fail is an outcome.
 
     Args:
         timeout: seconds after which the optimisation ends with the best trajectories so far.
         say: called with a line of progress now and then.
+        stop: asked now and then; when it returns True, the run gives its best so far.
     """
     started = time.monotonic()
 
@@ -29,11 +42,11 @@ def execute(run: Run, timeout: float | None, say: Callable[[str], None]) -> Outc
         return time.monotonic() - started
 
     try:
-        return _plan(run, timeout, say, elapsed)
-    except KeyboardInterrupt:
-        return Outcome("interrupted", ("interrupted before there was a result",), {}, elapsed())
-    except Exception as error:
+        return _plan(run, timeout, say, stop, elapsed)
+    except (Exception, KeyboardInterrupt) as error:
         known = as_stplan_error(error)
+        if isinstance(known, StoppedError):
+            return _interrupted(timeout, elapsed())
         if known is None:
             what = " ".join(f"{type(error).__name__}: {error}".split())
             details = "".join(traceback.format_exception(error))
@@ -41,8 +54,20 @@ def execute(run: Run, timeout: float | None, say: Callable[[str], None]) -> Outc
         return Outcome(_state(known), tuple(str(known).splitlines()), {}, elapsed())
 
 
+def _interrupted(timeout: float | None, seconds: float) -> Outcome:
+    """What there is of a run that ended before it had curves."""
+    if timeout is not None and seconds > timeout:
+        message = f"stopped after {timeout:g} s (--timeout), before there was a result"
+        return Outcome("timeout", (message,), {}, seconds)
+    return Outcome("interrupted", ("interrupted before there was a result",), {}, seconds)
+
+
 def _plan(
-    run: Run, timeout: float | None, say: Callable[[str], None], elapsed: Callable[[], float]
+    run: Run,
+    timeout: float | None,
+    say: Callable[[str], None],
+    stop: Callable[[], bool],
+    elapsed: Callable[[], float],
 ) -> Outcome:
     from stplan.planner import plan, plan_files
     from stplan.scene import parse_scene
@@ -54,7 +79,7 @@ def _plan(
     def late() -> bool:
         return timeout is not None and elapsed() > timeout
 
-    planned = plan(scene, progress=say, stop=late)
+    planned = plan(scene, progress=say, stop=lambda: stop() or late())
     # As `solve` does: a run is checked later against the scene as it was planned.
     planned.report["scene"]["overrides"] = list(run.overrides)
     files = plan_files(planned)

@@ -21,8 +21,7 @@ from stplan.bench.rivals.motion import Motion, Task
 from stplan.certify.pair_clearance import nearest_moments
 from stplan.certify.wall_clearance import wall_distance
 from stplan.errors import UsageError
-from stplan.planner import seed
-from stplan.problem.planning_problem import PlanningProblem
+from stplan.planner import find_initial_curves, prepare
 from stplan.problem.world_lines import WorldLines
 from stplan.scene import load_scene
 from stplan.scene.model import Scene
@@ -133,17 +132,10 @@ def build_task(scene: Scene) -> Task:
     speed, acceleration = limits.pop()
     if limits or speed is None or acceleration is None:
         raise UsageError(f"{scene.name}: every agent needs the same max_speed and max_acceleration")
-    free_space = build_free_space(scene)
-    curves = list(seed(scene).seed.curves())
-    return Task(
-        scene, free_space, speed, acceleration, _ways(scene, free_space), curves, TIME_LIMIT
-    )
-
-
-def _ways(scene: Scene, free_space: FreeSpace | None) -> list[FloatArray]:
-    """(n, 2) the shortest way of every agent alone."""
-    curves = geodesic_curves(PlanningProblem.from_scene(scene, free_space))
-    return [curve[:, :2] for curve in curves if curve is not None]
+    problem = prepare(scene)
+    curves = list(find_initial_curves(problem).seed.world_lines.curves())
+    ways = [curve[:, :2] for curve in geodesic_curves(problem) if curve is not None]
+    return Task(scene, problem.free_space, speed, acceleration, ways, curves, TIME_LIMIT)
 
 
 def measured(

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,12 +22,10 @@ from stplan.certify.certificate import certify
 from stplan.costs.term import Term
 from stplan.errors import SeedingError, UsageError
 from stplan.optimize.continuation import optimise
-from stplan.planner import seed as seeded
+from stplan.planner import find_initial_curves, prepare
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene import load_scene
-from stplan.scene.model import Scene
-from stplan.world import FreeSpace, build_free_space
 
 Progress = Callable[[str], None]
 
@@ -129,15 +127,15 @@ def measure(
         warm_up(**VARIANTS[variant], outer_iterations=1, max_iterations=2)
     found: list[Outcome] = []
     for scene in scenes:
-        free_space = build_free_space(scene)
+        problem = prepare(scene)
         try:
-            seed = seeded(scene).seed
+            initial = find_initial_curves(problem)
         except SeedingError as error:
             progress(f"{scene.name}: {str(error).splitlines()[0]}")
             continue
         traces = []
         for variant in variants:
-            one = trace(scene, free_space, seed, variant, time_limit)
+            one = trace(problem, initial.seed.world_lines, variant, time_limit)
             traces.append(one)
             progress(
                 f"{scene.name}: {variant}: {len(one.costs) - 1} iterations, {one.seconds[-1]:.2f} s, "
@@ -147,15 +145,9 @@ def measure(
     return found
 
 
-def trace(
-    scene: Scene,
-    free_space: FreeSpace | None,
-    seed: WorldLines,
-    variant: str,
-    time_limit: float,
-) -> Trace:
+def trace(problem: PlanningProblem, seed: WorldLines, variant: str, time_limit: float) -> Trace:
     """Optimise `seed` with the options of a variant, for at most `time_limit` s."""
-    scene = with_solver(scene, **VARIANTS[variant])
+    scene = with_solver(problem.scene, **VARIANTS[variant])
     costs: list[float] = []
     seconds: list[float] = []
     started = time.perf_counter()
@@ -165,12 +157,12 @@ def trace(
         seconds.append(time.perf_counter() - started)
 
     outcome = optimise(
-        PlanningProblem.from_scene(scene, free_space), seed,
+        replace(problem, scene=scene), seed,
         progress=lambda line: None,
         stop=lambda: time.perf_counter() - started > time_limit,
         observe=observe,
     )  # fmt: skip
-    certificate = certify(scene, free_space, outcome.world_lines)
+    certificate = certify(scene, problem.free_space, outcome.world_lines)
     smallest = certificate.smallest
     return Trace(
         scene.name,

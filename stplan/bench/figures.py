@@ -20,11 +20,10 @@ from stplan.bench.runs import Run, in_own_process, run, warm_up, with_solver
 from stplan.errors import UsageError
 from stplan.multistart import straight_conflicts
 from stplan.optimize.continuation import optimise
-from stplan.planner import Plan
+from stplan.planner import Plan, prepare
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
-from stplan.world import build_free_space
 
 Quantity = Literal[
     "total seconds",
@@ -222,30 +221,30 @@ def measure_one(name: str) -> Figure:
 def _compared(figure: Figure, planned: Plan) -> Figure:
     """`figure` with the cost after a few seconds over that of a run until nothing changes."""
     scene = planned.scene
-    early, _ = _cost_after(scene, planned.seed, TIGHT_SECONDS)
+    problem = prepare(scene)
+    early, _ = _cost_after(problem, planned.seed, TIGHT_SECONDS)
     patient = with_solver(
         scene,
         max_iterations=CONVERGED_ITERATIONS,
         step_tolerance=CONVERGED_TOLERANCE,
         optimality_tolerance=CONVERGED_TOLERANCE,
     )
-    best, seconds = _cost_after(patient, planned.seed, CONVERGED_SECONDS)
+    best, seconds = _cost_after(replace(problem, scene=patient), planned.seed, CONVERGED_SECONDS)
     over = early / min(best, early) - 1.0
     return replace(figure, over_converged=over, converged_seconds=seconds)
 
 
-def _cost_after(scene: Scene, seed: WorldLines, seconds: float) -> tuple[float, float]:
+def _cost_after(problem: PlanningProblem, seed: WorldLines, seconds: float) -> tuple[float, float]:
     """Kinetic cost (J s) that at most `seconds` of optimisation reach, and the seconds it took."""
-    free_space = build_free_space(scene)
     started = time.perf_counter()
     outcome = optimise(
-        PlanningProblem.from_scene(scene, free_space),
+        problem,
         seed,
         progress=lambda line: None,
         stop=lambda: time.perf_counter() - started > seconds,
     )
     took = time.perf_counter() - started
-    return wide.energy(scene, list(outcome.world_lines.curves())), took
+    return wide.energy(problem.scene, list(outcome.world_lines.curves())), took
 
 
 def outcome(figure: Figure) -> str:

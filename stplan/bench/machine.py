@@ -7,7 +7,7 @@ import platform
 from datetime import date
 from pathlib import Path
 
-from stplan.planner import versions
+from stplan.report import versions
 
 
 def description() -> str:

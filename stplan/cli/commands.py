@@ -13,8 +13,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stplan.cli.console import Console, failure, plan_lines, worst, write
+from stplan.cli.signals import answered_by
 from stplan.errors import SceneError, UsageError
 from stplan.files.atomic import uninterrupted
+from stplan.stopping import StopRequest
 
 if TYPE_CHECKING:
     from stplan.batch.campaign import Settings
@@ -95,11 +97,13 @@ def _plan_one(
     def progress(line: str) -> None:
         console.progress(prefix + line)
 
-    if seed_only:
-        planned = seed(scene, progress=progress)
-    else:
-        with console.live_line(prefix) as live:
-            planned = plan(scene, progress=progress, live=live)
+    stop = StopRequest()
+    with answered_by(stop.make):
+        if seed_only:
+            planned = seed(scene, progress=progress, stop=stop)
+        else:
+            with console.live_line(prefix) as live:
+                planned = plan(scene, progress=progress, live=live, stop=stop)
     # A run is checked later against the scene as it was planned, overrides and all.
     planned.report.get("scene", {})["overrides"] = list(overrides)
     with uninterrupted():
@@ -114,6 +118,8 @@ def _plan_one(
             "report": planned.report,
             "run": planned.run,
         }
+    if stop.made and planned.status != "interrupted":
+        raise KeyboardInterrupt  # Too late to change anything of this scene, but not of the next.
     if planned.advice and not (console.quiet and planned.exit_status == 0):
         console.error(prefix + planned.advice)
     console.result(*plan_lines(planned, files, console.verbose))
@@ -191,19 +197,19 @@ def explain(
     from stplan.explain.run import explain_run
     from stplan.explain.scene import explain_scene
     from stplan.files.run_folder import report_of
-    from stplan.world import fitted_free_space
 
     if changed:
         console.progress(f"note: {scene.source} is not as it was when this run was planned")
-    free_space = fitted_free_space(scene)
     if lines is None:
-        explanation, plannable = explain_scene(
-            scene, free_space, time_limit=time_limit, progress=console.progress
-        )
+        stop = StopRequest()
+        with answered_by(stop.make):
+            explanation, plannable = explain_scene(
+                scene, time_limit=time_limit, progress=console.progress, stop=stop
+            )
         status = 0 if plannable else 3
     else:
         report = None if trajectories else report_of(run_or_scene)
-        explanation, certificate = explain_run(scene, free_space, lines, report)
+        explanation, certificate = explain_run(scene, lines, report)
         status = 0 if certificate.holds else 1
     console.result(*explanation.lines(everything=everything))
     console.result_json({"exit_status": status, **explanation.as_dict()})

@@ -14,7 +14,6 @@ from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
 from stplan.seeding.elastic_bands.geodesics import geodesic_curves
-from stplan.world import FreeSpace
 
 # Longer than alone by more than this share counts.
 LONGER = 0.01
@@ -38,12 +37,12 @@ class Detour:
         )
 
 
-def ways_alone(scene: Scene, free_space: FreeSpace | None) -> list[FloatArray | None]:
+def ways_alone(problem: PlanningProblem) -> list[FloatArray | None]:
     """The (n, 3) curve of every agent if nobody else were there: short, at constant speed.
 
     None where the walls let it through nowhere.
     """
-    return geodesic_curves(PlanningProblem.from_scene(scene, free_space))
+    return geodesic_curves(problem)
 
 
 def detours(scene: Scene, lines: WorldLines, alone: Sequence[FloatArray | None]) -> Section:

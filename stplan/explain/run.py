@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+from stplan.arrays import FloatArray
 from stplan.certify.certificate import Certificate, certify
 from stplan.explain.detours import detours, ways_alone
 from stplan.explain.explanation import Explanation, Remark, Section, count
 from stplan.explain.lateness import lateness
 from stplan.explain.tightness import limits_and_meetings, tight_pairs, tight_walls
 from stplan.explain.waiting import waiting, waits
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
-from stplan.world import FreeSpace
+from stplan.world import fitted_free_space
 
 
 def explain_run(
     scene: Scene,
-    free_space: FreeSpace | None,
     lines: WorldLines,
     report: Mapping[str, Any] | None = None,
 ) -> tuple[Explanation, Certificate]:
@@ -26,8 +27,12 @@ def explain_run(
 
     Args:
         report: what report.json says of them, where they are those of a run.
+
+    Raises:
+        SceneError: the scene does not fit its map.
     """
-    certificate = certify(scene, free_space, lines)
+    problem = PlanningProblem.from_scene(scene, fitted_free_space(scene))
+    certificate = certify(scene, problem.free_space, lines)
     verdict = "holds" if certificate.holds else "IS BROKEN"
     headline = f"{scene.name}: {count(len(scene.agents), 'agent')}, the certificate {verdict}."
     status = (report or {}).get("status")
@@ -46,14 +51,21 @@ def explain_run(
     if isinstance(advice, str) and advice:
         sections.append(Section("advice", "Advice", advice[0].upper() + advice[1:] + "."))
     if certificate.pairs or certificate.walls or certificate.holds:
-        sections += motion(scene, free_space, lines, certificate)
+        sections += motion(scene, lines, certificate, ways_alone(problem))
     return Explanation(headline, tuple(sections)), certificate
 
 
 def motion(
-    scene: Scene, free_space: FreeSpace | None, lines: WorldLines, certificate: Certificate
+    scene: Scene,
+    lines: WorldLines,
+    certificate: Certificate,
+    alone: Sequence[FloatArray | None],
 ) -> list[Section]:
-    """What is tight, who waits, who is late and who goes further, of curves with sound ends."""
+    """What is tight, who waits, who is late and who goes further, of curves with sound ends.
+
+    Args:
+        alone: the way of every agent without the others.
+    """
     lines = _in_scene_order(scene, lines)
     found = waits(scene, lines)
     return [
@@ -62,7 +74,7 @@ def motion(
         *limits_and_meetings(certificate),
         waiting(scene, found),
         lateness(scene, lines, found),
-        detours(scene, lines, ways_alone(scene, free_space)),
+        detours(scene, lines, alone),
     ]
 
 

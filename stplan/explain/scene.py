@@ -8,20 +8,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.certify.certificate import certify
 from stplan.certify.pair_clearance import nearest_moments
-from stplan.errors import SeedingError
+from stplan.errors import BROKEN_SEED, BrokenSeedError, SeedingError
 from stplan.explain.detours import ways_alone
 from stplan.explain.explanation import Explanation, Fact, Remark, Section, at, count, metres
 from stplan.explain.passages import passages
 from stplan.explain.run import motion
-from stplan.problem.planning_problem import PlanningProblem
+from stplan.planner import find_initial_curves, prepare
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Scene
-from stplan.seeding.portfolio import find_seed
 from stplan.wording import headline, sentences
-from stplan.world import FreeSpace
 
 
 @dataclass(frozen=True)
@@ -43,28 +40,45 @@ class Encounter:
 
 def explain_scene(
     scene: Scene,
-    free_space: FreeSpace | None,
     *,
     time_limit: float,
-    progress: Callable[[str], None],
+    progress: Callable[[str], None] = lambda line: None,
+    stop: Callable[[], bool] = lambda: False,
 ) -> tuple[Explanation, bool]:
-    """What is to be said of a scene that fits its map, and whether nothing hinders planning it.
+    """What is to be said of a scene, and whether it can be planned: exactly where `planner.plan` can.
 
     Args:
         time_limit: longest search for initial curves, s; 0 leaves them out.
+
+    Raises:
+        SceneError, SolverError, StoppedError: as `planner.plan`.
     """
-    sections = [_population(scene), passages(scene, free_space)]
-    alone = ways_alone(scene, free_space)
-    sections.append(_encounters(scene, alone))
+    seeding = replace(scene.seeding, time_limit=min(time_limit, scene.seeding.time_limit))
+    problem = prepare(scene if time_limit <= 0 else replace(scene, seeding=seeding))
+    alone = ways_alone(problem)
+    sections = [_population(scene), passages(scene, problem.free_space), _encounters(scene, alone)]
+    if time_limit <= 0:
+        return Explanation(f"{scene.name}: a valid scene.", tuple(sections)), True
     try:
-        sections += _initial_curves(scene, free_space, time_limit, progress)
+        initial = find_initial_curves(problem, progress=progress, stop=stop)
     except SeedingError as error:
-        facts = [Remark(sentence) for sentence in sentences(error.reasons)]
-        head = headline(error.reasons).capitalize()
-        sections.append(Section("seeding", "Initial curves", f"{head}:", facts))
         title = f"{scene.name}: a valid scene, but there is no way to start."
-        return Explanation(title, tuple(sections)), False
+        return Explanation(title, (*sections, _refusal(error))), False
+    lead = (
+        f"Found by {initial.seed.found_by}. What follows is about them; planning makes them smooth."
+    )
+    sections.append(Section("seeding", "Initial curves", lead))
+    sections += motion(scene, initial.seed.world_lines, initial.certificate, alone)
     return Explanation(f"{scene.name}: a valid scene.", tuple(sections)), True
+
+
+def _refusal(error: SeedingError) -> Section:
+    """Why there are no initial curves."""
+    if isinstance(error, BrokenSeedError):
+        head, facts = BROKEN_SEED, error.violations
+    else:
+        head, facts = headline(error.reasons), tuple(sentences(error.reasons))
+    return Section("seeding", "Initial curves", f"{head.capitalize()}:", [*map(Remark, facts)])
 
 
 def _population(scene: Scene) -> Section:
@@ -136,23 +150,3 @@ def _encounters(scene: Scene, alone: Sequence[FloatArray | None]) -> Section:
         f"{count(total, 'pair')} would come too near:"
     )
     return Section("encounters", title, lead, facts)
-
-
-def _initial_curves(
-    scene: Scene,
-    free_space: FreeSpace | None,
-    time_limit: float,
-    progress: Callable[[str], None],
-) -> list[Section]:
-    """How initial curves were found, and what they look like; raises SeedingError where not."""
-    if time_limit <= 0:
-        return []
-    settings = replace(scene.seeding, time_limit=min(time_limit, scene.seeding.time_limit))
-    problem = PlanningProblem.from_scene(scene, free_space)
-    seed = find_seed(problem, progress=progress, settings=settings)
-    lead = f"Found by {seed.found_by}. What follows is about them; planning makes them smooth."
-    certificate = certify(scene, free_space, seed.world_lines)
-    return [
-        Section("seeding", "Initial curves", lead),
-        *motion(scene, free_space, seed.world_lines, certificate),
-    ]

@@ -75,7 +75,7 @@ class Stage:
             as_dict=lambda: {"holds": not self.violations, "violations": list(self.violations)},
         )
 
-    def plan(self, scene: Any, *, progress: Any = None, live: Any = None) -> Any:
+    def plan(self, scene: Any, *, progress: Any = None, live: Any = None, stop: Any = None) -> Any:
         self.planned.append(scene.name)
         progress("outer iteration 1")
         if scene.name in self.raises:

@@ -79,7 +79,7 @@ import stplan.scene
 from tests.files.examples import scene_of
 stplan.scene.load_scene = lambda path, overrides=(): scene_of(["sam"])
 pipeline = types.ModuleType("stplan.planner")
-def plan(scene, *, progress, live=None):
+def plan(scene, *, progress, live=None, stop=None):
     progress("planning")
     {action}
 pipeline.plan = pipeline.seed = plan

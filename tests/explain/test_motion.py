@@ -16,6 +16,7 @@ from stplan.explain.run import explain_run
 from stplan.explain.tightness import tight_pairs, tight_walls
 from stplan.explain.waiting import waiting, waits
 from stplan.files.json_file import json_bytes
+from stplan.problem.planning_problem import prepare
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import PairRule, Scene
 from stplan.scene.reading.load import parse_scene
@@ -112,7 +113,7 @@ def test_who_is_late():
 
 def test_detours_in_the_open_and_round_walls():
     scene = scene_of(SAM, EVE)
-    section = detours(scene, lines_of(scene), ways_alone(scene, None))
+    section = detours(scene, lines_of(scene), ways_alone(prepare(scene)))
     (detour,) = section.facts
     assert detour.agent == "eve"
     assert (detour.alone, detour.length) == pytest.approx((10.0, 2 * np.hypot(5, 1)))
@@ -121,7 +122,7 @@ def test_detours_in_the_open_and_round_walls():
         top="map: {rectangle: [-9, -9, 9, 9], obstacles: [{rectangle: [-1, -6, 1, 1]}]}\n",
     )
     around = [[-5, 0, 0], [-1.5, 1.5, 4], [1.5, 1.5, 8], [5, 0, 12]]
-    alone = ways_alone(walled, build_free_space(walled))
+    alone = ways_alone(prepare(walled))
     # The wall's corners have to be passed, so this is no detour although it is not straight.
     assert detours(walled, lines_of(walled, sam=around), alone).facts == ()
     wide = [[-5, 0, 0], [0, 6, 6], [5, 0, 12]]
@@ -158,12 +159,12 @@ def test_a_run_whatever_the_order_of_its_agents():
     scene = scene_of(SAM, ANN, EVE)
     lines = lines_of(scene)
     turned = WorldLines.from_curves(lines.agent_ids[::-1], [*lines.curves()][::-1])
-    explanation, certificate = explain_run(scene, None, lines)
+    explanation, certificate = explain_run(scene, lines)
     assert certificate.holds
-    assert explain_run(scene, None, turned)[0] == explanation
+    assert explain_run(scene, turned)[0] == explanation
     assert explanation.headline == "small: 3 agents, the certificate holds."
     report = {"status": "limit", "advice": "raise solver.max_iterations to go on"}
-    text = "\n".join(explain_run(scene, None, lines, report)[0].lines())
+    text = "\n".join(explain_run(scene, lines, report)[0].lines())
     assert text.startswith("small: planning ended as 'limit'; the certificate holds.\n")
     assert "Raise solver.max_iterations to go on." in text
 
@@ -171,26 +172,26 @@ def test_a_run_whatever_the_order_of_its_agents():
 def test_a_broken_run():
     scene = scene_of(SAM, ANN)
     meeting = lines_of(scene, ann=[[0, -4, 0], [0, 4, 10]])
-    explanation, certificate = explain_run(scene, None, meeting)
+    explanation, certificate = explain_run(scene, meeting)
     assert not certificate.holds
     text = "\n".join(explanation.lines())
     assert "sam and ann: 1 m too near at t = 5.00 s near (0, 0), where 1 m have to be kept" in text
     # Curves without sound ends say nothing about the rest.
     away = lines_of(scene, ann=[[0, -4, 0], [1, 4, 10]])
-    explanation, _ = explain_run(scene, None, away)
+    explanation, _ = explain_run(scene, away)
     assert [section.key for section in explanation.sections] == ["violations"]
 
 
 def test_one_agent_and_many():
     alone = scene_of(SAM)
-    text = "\n".join(explain_run(alone, None, lines_of(alone))[0].lines())
+    text = "\n".join(explain_run(alone, lines_of(alone))[0].lines())
     assert "No two agents have to keep apart." in text
     ids = [f"a{k}" for k in range(200)]
     crowd = scene_of(*(f"id: {i}, start: [0, {1.01 * k}], goal: [9, {1.01 * k}]"
                        for k, i in enumerate(ids)))  # fmt: skip
     bent = {i: [[0, 1.01 * k, 0], [4, 1.01 * k + 1, 9], [9, 1.01 * k, 20]]
             for k, i in enumerate(ids)}  # fmt: skip
-    explanation, _ = explain_run(crowd, None, lines_of(crowd, **bent))
+    explanation, _ = explain_run(crowd, lines_of(crowd, **bent))
     short, whole = explanation.lines(), explanation.lines(everything=True)
     assert len(short) < 40
     assert "  and 194 more; --all lists them" in short
@@ -218,7 +219,7 @@ def test_limits_and_meetings():
         f"{SAM}, max_speed: 1.05", f"{ANN}, max_speed: 9",
         top="pairs: [{between: [sam, ann], collide: false, meet: {within: 2.5}}]\n",
     )  # fmt: skip
-    explanation, certificate = explain_run(scene, None, lines_of(scene))
+    explanation, certificate = explain_run(scene, lines_of(scene))
     assert certificate.holds
     text = "\n".join(explanation.lines())
     assert (

@@ -25,9 +25,7 @@ def scene_of(*agents: str, world: str = "", top: str = "") -> Scene:
 
 
 def told(scene: Scene, time_limit: float = 0.0) -> tuple[str, bool]:
-    explanation, plannable = explain_scene(
-        scene, build_free_space(scene), time_limit=time_limit, progress=lambda line: None
-    )
+    explanation, plannable = explain_scene(scene, time_limit=time_limit)
     return "\n".join(explanation.lines(everything=True)), plannable
 
 

@@ -240,6 +240,31 @@ def solve(
     )
 
 
+def require_options(options: Mapping[str, Any]) -> None:
+    """Refuse `options` that Ipopt does not know, before anything is made of them.
+
+    Raises:
+        SolverError: naming the first.
+    """
+    if not options:
+        return
+    handle = cyipopt.Problem(
+        n=1, m=0, problem_obj=_Nothing(), lb=np.zeros(1), ub=np.ones(1), cl=[], cu=[]
+    )
+    for key, value in options.items():
+        _set_option(handle, key, value)
+
+
+class _Nothing:
+    """A problem that is never solved."""
+
+    def objective(self, x: FloatArray) -> float:
+        return 0.0
+
+    def gradient(self, x: FloatArray) -> FloatArray:
+        return np.zeros(1)
+
+
 def _set_option(handle: Any, key: str, value: Any) -> None:
     try:
         handle.add_option(key, value)
