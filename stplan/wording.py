@@ -1,4 +1,4 @@
-"""Reasons in words: a headline for all of them, and a sentence for each."""
+"""Words: lengths, places and lists as one says them, and reasons why there are no initial curves."""
 
 from __future__ import annotations
 
@@ -6,7 +6,33 @@ from collections.abc import Callable, Sequence
 
 from stplan.reasons import Kind, Reason
 
+# So many names of a list are said.
+FEW_NAMES = 4
+
 _LIMITS = ("limits of time", "limit of acceleration")
+
+
+def names(ids: Sequence[str]) -> str:
+    """sam, ann and 3 more."""
+    if len(ids) > FEW_NAMES + 1:
+        return f"{', '.join(ids[:FEW_NAMES])} and {len(ids) - FEW_NAMES} more"
+    return " and ".join(part for part in (", ".join(ids[:-1]), ids[-1]) if part)
+
+
+def count(number: int, noun: str) -> str:
+    """1 agent, 2 agents."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def metres(length: float) -> str:
+    """A length (m) as one says it: small ones in millimetres."""
+    return f"{1000 * length:.3g} mm" if abs(length) < 0.1 else f"{length:.3g} m"
+
+
+def at(place: tuple[float, float]) -> str:
+    """A place (m) as one says it."""
+    # Adding 0 makes a zero of a negative zero.
+    return f"({round(place[0], 2) + 0:g}, {round(place[1], 2) + 0:g})"
 
 
 def in_words(reasons: Sequence[Reason]) -> str:

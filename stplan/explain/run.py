@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
-from stplan.arrays import FloatArray
+from stplan.analysis.crowd import Crowd
+from stplan.analysis.detours import ways_alone
 from stplan.certify.certificate import Certificate, certify
-from stplan.explain.detours import detours, ways_alone
-from stplan.explain.explanation import Explanation, Remark, Section, count
-from stplan.explain.lateness import lateness
-from stplan.explain.tightness import limits_and_meetings, tight_pairs, tight_walls
-from stplan.explain.waiting import waiting, waits
+from stplan.explain.curves import curve_sections
+from stplan.explain.explanation import Explanation, Fact, Section
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
+from stplan.wording import count
 from stplan.world import fitted_free_space
 
 
 def explain_run(
-    scene: Scene,
-    lines: WorldLines,
-    report: Mapping[str, Any] | None = None,
+    scene: Scene, lines: WorldLines, report: Mapping[str, Any] | None = None
 ) -> tuple[Explanation, Certificate]:
     """What `lines` (in any order of agents) look like, and their certificate.
 
@@ -40,45 +37,19 @@ def explain_run(
         headline = f"{scene.name}: planning ended as '{status}'; the certificate {verdict}."
     sections = []
     if certificate.violations:
-        sections.append(
-            Section(
-                "violations", "Broken promises",
-                f"{count(len(certificate.violations), 'promise')} of the scene not kept:",
-                [Remark(sentence) for sentence in certificate.violations],
-            )
-        )  # fmt: skip
+        lead = f"{count(len(certificate.violations), 'promise')} of the scene not kept:"
+        facts = [*map(Fact, certificate.violations)]
+        sections.append(Section("violations", "Broken promises", lead, facts))
     advice = (report or {}).get("advice")
     if isinstance(advice, str) and advice:
         sections.append(Section("advice", "Advice", advice[0].upper() + advice[1:] + "."))
     if certificate.pairs or certificate.walls or certificate.holds:
-        sections += motion(scene, lines, certificate, ways_alone(problem))
+        crowd = Crowd.of_problem(problem, _in_scene_order(problem, lines))
+        sections += curve_sections(crowd, certificate, ways_alone(problem))
     return Explanation(headline, tuple(sections)), certificate
 
 
-def motion(
-    scene: Scene,
-    lines: WorldLines,
-    certificate: Certificate,
-    alone: Sequence[FloatArray | None],
-) -> list[Section]:
-    """What is tight, who waits, who is late and who goes further, of curves with sound ends.
-
-    Args:
-        alone: the way of every agent without the others.
-    """
-    lines = _in_scene_order(scene, lines)
-    found = waits(scene, lines)
-    return [
-        tight_pairs(scene, certificate),
-        tight_walls(scene, certificate),
-        *limits_and_meetings(certificate),
-        waiting(scene, found),
-        lateness(scene, lines, found),
-        detours(scene, lines, alone),
-    ]
-
-
-def _in_scene_order(scene: Scene, lines: WorldLines) -> WorldLines:
+def _in_scene_order(problem: PlanningProblem, lines: WorldLines) -> WorldLines:
     place = {agent_id: a for a, agent_id in enumerate(lines.agent_ids)}
-    ids = [agent.id for agent in scene.agents]
-    return WorldLines.from_curves(ids, [lines.curve(place[agent_id]) for agent_id in ids])
+    curves = [lines.curve(place[agent_id]) for agent_id in problem.agent_ids]
+    return WorldLines.from_curves(problem.agent_ids, curves)

@@ -3,39 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from stplan.analysis.crowd import Crowd
+from stplan.analysis.detours import ways_alone
+from stplan.analysis.encounters import Encounter, encounters
+from stplan.analysis.passages import WIDE, Passage, passages
 from stplan.arrays import FloatArray
-from stplan.certify.pair_clearance import nearest_moments
 from stplan.errors import BROKEN_SEED, BrokenSeedError, SeedingError
-from stplan.explain.detours import ways_alone
-from stplan.explain.explanation import Explanation, Fact, Remark, Section, at, count, metres
-from stplan.explain.passages import passages
-from stplan.explain.run import motion
+from stplan.explain.curves import curve_sections
+from stplan.explain.explanation import Explanation, Fact, Section
 from stplan.planner import find_initial_curves, prepare
-from stplan.problem.world_lines import WorldLines
-from stplan.scene.interactions import scene_interactions
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.model import Scene
-from stplan.wording import headline, sentences
-
-
-@dataclass(frozen=True)
-class Encounter:
-    """Two agents that would come too near if everybody went as if alone: m, s."""
-
-    who: tuple[str, str]
-    overlap: float
-    time: float
-    place: tuple[float, float]
-
-    def sentence(self) -> str:
-        """In words."""
-        return (
-            f"{self.who[0]} and {self.who[1]} would be {metres(self.overlap)} too near at "
-            f"t = {self.time:.2f} s, {at(self.place)}"
-        )
+from stplan.wording import at, count, headline, metres, names, sentences
 
 
 def explain_scene(
@@ -56,7 +39,7 @@ def explain_scene(
     seeding = replace(scene.seeding, time_limit=min(time_limit, scene.seeding.time_limit))
     problem = prepare(scene if time_limit <= 0 else replace(scene, seeding=seeding))
     alone = ways_alone(problem)
-    sections = [_population(scene), passages(scene, problem.free_space), _encounters(scene, alone)]
+    sections = [population(problem), passage_section(problem), encounter_section(problem, alone)]
     if time_limit <= 0:
         return Explanation(f"{scene.name}: a valid scene.", tuple(sections)), True
     try:
@@ -64,11 +47,11 @@ def explain_scene(
     except SeedingError as error:
         title = f"{scene.name}: a valid scene, but there is no way to start."
         return Explanation(title, (*sections, _refusal(error))), False
-    lead = (
-        f"Found by {initial.seed.found_by}. What follows is about them; planning makes them smooth."
-    )
+    found_by = initial.seed.found_by
+    lead = f"Found by {found_by}. What follows is about them; planning makes them smooth."
     sections.append(Section("seeding", "Initial curves", lead))
-    sections += motion(scene, initial.seed.world_lines, initial.certificate, alone)
+    crowd = Crowd.of_problem(problem, initial.seed.world_lines)
+    sections += curve_sections(crowd, initial.certificate, alone)
     return Explanation(f"{scene.name}: a valid scene.", tuple(sections)), True
 
 
@@ -78,75 +61,94 @@ def _refusal(error: SeedingError) -> Section:
         head, facts = BROKEN_SEED, error.violations
     else:
         head, facts = headline(error.reasons), tuple(sentences(error.reasons))
-    return Section("seeding", "Initial curves", f"{head.capitalize()}:", [*map(Remark, facts)])
+    return Section("seeding", "Initial curves", f"{head.capitalize()}:", [*map(Fact, facts)])
 
 
-def _population(scene: Scene) -> Section:
-    agents = scene.agents
-    interactions = scene_interactions(scene)
-    collide = int(np.triu(interactions.collides).sum())
-    total = len(agents) * (len(agents) - 1) // 2
-    told = sum(agent.path is not None for agent in agents)
-    grouped = int(np.triu(interactions.grouping > 0).sum())
-    facts: list[Fact] = []
+def population(problem: PlanningProblem) -> Section:
+    """Who is there, and who has to do with whom."""
+    collide = int(np.triu(problem.collides).sum())
+    total = problem.num_agents * (problem.num_agents - 1) // 2
+    prescribed = int(problem.prescribed.sum())
+    grouped = int(np.triu(problem.interactions.grouping > 0).sum())
+    facts = []
     if total:
-        facts.append(Remark(f"{collide} of {count(total, 'pair')} of agents may not touch"))
+        facts.append(f"{collide} of {count(total, 'pair')} of agents may not touch")
     if grouped:
-        facts.append(Remark(f"{count(grouped, 'pair')} of agents are drawn together"))
-    if told:
-        facts.append(Remark(f"{count(told, 'agent')} moves as told" if told == 1
-                            else f"{told} agents move as told"))  # fmt: skip
-    ignoring = sum(agent.weights.wall == 0 for agent in agents)
-    if scene.map is not None and ignoring:
-        facts.append(Remark(f"{ignoring} of {count(len(agents), 'agent')} ignore the walls"))
+        facts.append(f"{count(grouped, 'pair')} of agents are drawn together")
+    if prescribed:
+        verb = "moves" if prescribed == 1 else "move"
+        facts.append(f"{count(prescribed, 'agent')} {verb} as prescribed")
+    ignoring = int((~problem.heeds_walls).sum())
+    if problem.scene.map is not None and ignoring:
+        facts.append(f"{ignoring} of {count(problem.num_agents, 'agent')} ignore the walls")
     lead = (
-        f"{count(len(agents), 'agent')} {_span('of radius', [a.radius for a in agents], 'm')} and "
-        f"{_span('mass', [a.mass for a in agents], 'kg')}, within {scene.final_time:g} s"
+        f"{count(problem.num_agents, 'agent')} {_span('of radius', problem.radii, 'm')} and "
+        f"{_span('mass', problem.masses, 'kg')}, within {problem.final_time:g} s"
     )
-    return Section("population", "The scene", f"{lead}:" if facts else f"{lead}.", facts)
+    return Section(
+        "population", "The scene", f"{lead}:" if facts else f"{lead}.", [*map(Fact, facts)]
+    )
 
 
-def _span(word: str, values: Sequence[float], unit: str) -> str:
-    low, high = min(values), max(values)
+def _span(word: str, values: FloatArray, unit: str) -> str:
+    low, high = float(values.min()), float(values.max())
     return f"{word} {low:g} {unit}" if low == high else f"{word} {low:g} to {high:g} {unit}"
 
 
-def _encounters(scene: Scene, alone: Sequence[FloatArray | None]) -> Section:
-    """Who would meet whom if everybody took its way alone, at constant speed."""
-    title = "Encounters"
-    able = [a for a, way in enumerate(alone) if way is not None]
-    curves = [way for way in alone if way is not None]
-    interactions = scene_interactions(scene)
-    wanted = np.ascontiguousarray(interactions.collides[np.ix_(able, able)])
-    total = int(np.triu(wanted).sum())
-    if not total:
-        which = "agents" if len(able) == len(alone) else "agents that can reach their goals"
-        return Section("encounters", title, f"No two {which} have to keep apart.")
-    lines = WorldLines.from_curves([scene.agents[a].id for a in able], curves)
-    leaves = np.array(
-        [
-            scene.final_time if scene.agents[a].after_arrival == "stay" else curve[-1, 2]
-            for a, curve in zip(able, curves, strict=True)
-        ]
+def passage_section(problem: PlanningProblem) -> Section:
+    """Narrow places, the tightest for the radii that have to pass them first."""
+    title, found = "Passages", passages(problem)
+    if found is None:
+        return Section("passages", title, "No agent has walls to mind.")
+    if not found:
+        wide = f"Nobody has to pass a place narrower than {2 * WIDE:g} of its radii."
+        return Section("passages", title, wide)
+    blocked = sum(bool(passage.blocked) for passage in found)
+    lead = f"{count(len(found), 'narrow place')} on the widest ways"
+    lead += f", {blocked} of them too narrow" if blocked else ""
+    return Section("passages", title, lead + ":", [*map(_passage, found)])
+
+
+def _passage(passage: Passage) -> Fact:
+    spare = passage.half_width - passage.radius
+    radius = metres(passage.radius)
+    where = (
+        f"the stop {at(passage.place)} of {names(passage.agents)} is {metres(passage.half_width)} "
+        "from a wall"
+        if passage.stop
+        else f"the way of {names(passage.agents)} is {metres(2 * passage.half_width)} wide near "
+        f"{at(passage.place)}"
     )
-    found = nearest_moments(lines, leaves, wanted)
-    overlap = interactions.distance[np.ix_(able, able)][tuple(found.pairs.T)] - found.distance
-    facts = []
-    for k in np.argsort(-overlap, kind="stable").tolist():
-        if overlap[k] <= 0:
-            break
-        a, b = found.pairs[k].tolist()
-        x, y = found.middle[k].tolist()
-        who = (lines.agent_ids[a], lines.agent_ids[b])
-        facts.append(Encounter(who, float(overlap[k]), float(found.instant[k]), (x, y)))
-    if not facts:
-        return Section(
-            "encounters",
-            title,
-            "Everybody can take its shortest way at constant speed: nobody meets.",
+    if passage.blocked:
+        who, more = names(passage.blocked), metres(-2 * spare)
+        return Fact(
+            f"{where}, too narrow for {who}: a radius of {radius} needs {more} more", passage
         )
+    sides = "beyond" if passage.stop else "on either side of"
+    alone = len(passage.agents) > 1 and not passage.stop and not passage.side_by_side
+    room = f"which leaves {metres(spare)} {sides} a radius of {radius}"
+    return Fact(f"{where}, {room}" + ("; one at a time" if alone else ""), passage)
+
+
+def encounter_section(problem: PlanningProblem, alone: Sequence[FloatArray | None]) -> Section:
+    """Who would meet whom if everybody took its way alone, at constant speed."""
+    title, found = "Encounters", encounters(problem, alone)
+    if not found.num_pairs:
+        which = "agents" if found.all_able else "agents that can reach their goals"
+        return Section("encounters", title, f"No two {which} have to keep apart.")
+    if not found.found:
+        lead = "Everybody can take its shortest way at constant speed: nobody meets."
+        return Section("encounters", title, lead)
     lead = (
-        f"If everybody took its shortest way at constant speed, {len(facts)} of "
-        f"{count(total, 'pair')} would come too near:"
+        f"If everybody took its shortest way at constant speed, {len(found.found)} of "
+        f"{count(found.num_pairs, 'pair')} would come too near:"
     )
-    return Section("encounters", title, lead, facts)
+    return Section("encounters", title, lead, [*map(_encounter, found.found)])
+
+
+def _encounter(encounter: Encounter) -> Fact:
+    return Fact(
+        f"{encounter.who[0]} and {encounter.who[1]} would be {metres(encounter.overlap)} too near at "
+        f"t = {encounter.time:.2f} s, {at(encounter.place)}",
+        encounter,
+    )

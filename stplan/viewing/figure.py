@@ -7,12 +7,13 @@ from typing import Any
 
 from matplotlib.figure import Figure, SubFigure
 
-from stplan.viewing.clearances import tight_pairs, tight_walls
+from stplan.analysis.tightness import pair_spots, wall_spots
 from stplan.viewing.drawing import MUTED, WARNING, look, view_box
 from stplan.viewing.figure_map import draw_map
 from stplan.viewing.figure_rods import draw_rods
-from stplan.viewing.figure_time import draw_arrivals, draw_clearance, draw_speed, metres
+from stplan.viewing.figure_time import draw_arrivals, draw_clearance, draw_speed
 from stplan.viewing.run_view import RunView
+from stplan.wording import metres
 
 PARTS = ("map", "time", "rods")
 FORMATS = ("png", "svg", "pdf")
@@ -105,8 +106,8 @@ _DRAW: dict[str, Any] = {
 def _draw_head(band: SubFigure, view: RunView) -> None:
     """Name, what the scene shows, and how tight it is."""
     tightest = min(
-        [*tight_pairs(view)[:1], *tight_walls(view)[:1]],
-        key=lambda moment: moment.clearance,
+        [*pair_spots(view.crowd)[:1], *wall_spots(view.crowd)[:1]],
+        key=lambda spot: spot.clearance,
         default=None,
     )
     title = view.title + (f" — {view.description}" if view.description else "")

@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, PathPatch
 from matplotlib.text import Annotation, Text
 
+from stplan.analysis.paths import positions
 from stplan.problem.world_lines import WorldLines
 from stplan.viewing.drawing import (
     FAINT,
@@ -24,9 +25,9 @@ from stplan.viewing.drawing import (
     thin_out,
     view_box,
 )
-from stplan.viewing.motion import nice_step, positions
 from stplan.viewing.palette import hex_colours
 from stplan.viewing.run_view import RunView
+from stplan.viewing.ticks import nice_step
 
 # About so many discs a path; from so many agents on none, and no names.
 _MOMENTS = 9

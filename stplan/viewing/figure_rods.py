@@ -10,7 +10,7 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 from stplan.arrays import FloatArray
 from stplan.viewing.drawing import FAINT, WALL, view_box
 from stplan.viewing.palette import hex_colours
-from stplan.viewing.rods import rod_curve, rod_mesh
+from stplan.viewing.rod_meshes import rod_curve, rod_mesh
 from stplan.viewing.run_view import RunView
 
 # Up to so many agents: sides of a rod, and the most rings it is drawn with.

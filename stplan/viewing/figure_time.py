@@ -7,19 +7,15 @@ from matplotlib.axes import Axes
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 
+from stplan.analysis.paths import segment_speeds
+from stplan.analysis.tightness import TightSpot, pair_spots, wall_spots
+from stplan.analysis.waiting import waits
 from stplan.arrays import FloatArray
-from stplan.viewing.clearances import (
-    TightMoment,
-    pair_clearance,
-    smallest_clearance,
-    tight_pairs,
-    tight_walls,
-)
+from stplan.viewing.clearances import pair_clearance, smallest_clearance
 from stplan.viewing.drawing import FAINT, INK, MUTED, WALL, WARNING
-from stplan.viewing.motion import segment_speeds
 from stplan.viewing.palette import hex_colours
 from stplan.viewing.run_view import RunView
-from stplan.viewing.waits import waits
+from stplan.wording import metres
 
 _PAIRS = 5
 _SAMPLES = 600
@@ -28,21 +24,12 @@ _NAMED = 24
 _SINGLE = 40
 
 
-def metres(length: float) -> str:
-    """A length in words: 3.2 mm, 4.1 cm, 1.20 m."""
-    size = abs(length)
-    if size < 0.01:
-        return f"{1000 * length:.2g} mm"
-    return f"{100 * length:.2g} cm" if size < 0.995 else f"{length:.3g} m"
-
-
 def draw_clearance(axes: Axes, view: RunView) -> None:
     """Clearance of the tightest pairs, of the rest and of the walls, over time against zero."""
-    pairs, walls = tight_pairs(view), tight_walls(view)
+    pairs, walls = pair_spots(view.crowd), wall_spots(view.crowd)
     times = np.linspace(view.begin, view.end, _SAMPLES)
-    times = np.union1d(times, [moment.time for moment in pairs[:_PAIRS]])
+    times = np.union1d(times, [spot.time for spot in pairs[:_PAIRS]])
     colours = hex_colours(view.num_agents)
-    names = view.lines.agent_ids
     axes.set_title("Clearance")
     axes.set_ylabel("m")
     axes.axhline(0.0, color=WARNING, lw=1.2, zorder=2)
@@ -52,15 +39,15 @@ def draw_clearance(axes: Axes, view: RunView) -> None:
     if walls:
         line = axes.plot(times, _finite(to_walls), color=WALL, lw=1.0, ls=(0, (4, 2)))
         handles.append(tuple(line))
-        labels.append(f"{names[walls[0].who[0]]} and a wall: {metres(walls[0].clearance)}")
-    for moment in pairs[:_PAIRS]:
-        a, b = moment.who
+        labels.append(f"{walls[0].who[0]} and a wall: {metres(walls[0].clearance)}")
+    for spot in pairs[:_PAIRS]:
+        a, b = (view.rows[name] for name in spot.who)
         curve = pair_clearance(view, a, b, times)
         whole = axes.plot(times, curve, color=colours[a], lw=1.7)
         dashes = axes.plot(times, curve, color=colours[b], lw=1.7, ls=(0, (3, 3)))
         handles.append((*whole, *dashes))
-        labels.append(f"{names[a]} and {names[b]}: {metres(moment.clearance)}")
-        axes.plot(moment.time, moment.clearance, "o", ms=4, color=INK, zorder=4)
+        labels.append(f"{' and '.join(spot.who)}: {metres(spot.clearance)}")
+        axes.plot(spot.time, spot.clearance, "o", ms=4, color=INK, zorder=4)
     if len(pairs) > _PAIRS:
         line = axes.plot(times, _finite(between), color=FAINT, lw=4.0, zorder=1)
         handles.append(tuple(line))
@@ -80,12 +67,12 @@ def _finite(values: FloatArray) -> FloatArray:
     return np.where(np.isfinite(values), values, np.nan)
 
 
-def _limit(axes: Axes, view: RunView, moments: list[TightMoment], between: FloatArray) -> None:
+def _limit(axes: Axes, view: RunView, spots: list[TightSpot], between: FloatArray) -> None:
     """Show what is near zero, however far apart agents are most of the time."""
-    least = min((moment.clearance for moment in moments), default=0.0)
+    least = min((spot.clearance for spot in spots), default=0.0)
     near = 5 * float(np.median(view.radii))
     widest = float(np.max(between, where=np.isfinite(between), initial=0.0))
-    top = max(near, 1.5 * max((moment.clearance for moment in moments), default=0.0))
+    top = max(near, 1.5 * max((spot.clearance for spot in spots), default=0.0))
     top = min(top, max(1.1 * widest, near / 5))
     bottom = min(-0.06 * top, 1.2 * least)
     axes.set_ylim(bottom, top)
@@ -138,19 +125,20 @@ def draw_arrivals(axes: Axes, view: RunView) -> None:
     thickness = 0.6 if view.num_agents <= _SINGLE else 0.9
     begins = view.lines.knots[view.lines.offsets[:-1], 2]
     axes.barh(rows, view.arrivals - begins, left=begins, height=thickness, color=colours)
-    for wait in waits(view):
+    for wait in waits(view.crowd):
+        place = view.rows[wait.agent]
         axes.barh(
-            wait.a, wait.end - wait.begin, left=wait.begin, height=0.7 * thickness, color="white",
+            place, wait.end - wait.begin, left=wait.begin, height=0.7 * thickness, color="white",
             alpha=0.78, lw=0,
         )  # fmt: skip
-        if wait.b is not None and view.num_agents <= _NAMED:
+        if wait.meeting is not None and view.num_agents <= _NAMED:
             axes.text(
-                0.5 * (wait.begin + wait.end), wait.a, view.lines.agent_ids[wait.b], fontsize=6,
+                0.5 * (wait.begin + wait.end), place, wait.meeting.agent, fontsize=6,
                 ha="center", va="center", clip_on=True, color=INK,
             )  # fmt: skip
-    wished = ~np.isnan(view.preferred)
+    wished = ~np.isnan(view.crowd.preferred)
     axes.scatter(
-        view.preferred[wished], rows[wished], marker="D", s=22, c="white", edgecolors=INK,
+        view.crowd.preferred[wished], rows[wished], marker="D", s=22, c="white", edgecolors=INK,
         linewidths=1.0, zorder=4, label="wanted arrival",
     )  # fmt: skip
     if view.num_agents <= _NAMED:
@@ -166,7 +154,7 @@ def draw_arrivals(axes: Axes, view: RunView) -> None:
         axes.set_yticks([])
     axes.set_ylim(view.num_agents - 0.4, -0.6)
     axes.grid(axis="y", visible=False)
-    latest = max(view.end, float(np.max(view.preferred[wished], initial=view.end)))
+    latest = max(view.end, float(np.max(view.crowd.preferred[wished], initial=view.end)))
     axes.set_xlim(view.begin, latest + 0.08 * (latest - view.begin))
     if wished.any():
         axes.legend(loc="upper left", bbox_to_anchor=(-0.02, -0.13), handletextpad=0.2)

@@ -7,7 +7,7 @@ import trimesh
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.viewing.palette import agent_colours
-from stplan.viewing.rods import rod_curve, rod_mesh
+from stplan.viewing.rod_meshes import rod_curve, rod_mesh
 from stplan.viewing.run_view import RunView
 from stplan.world import FreeSpace
 

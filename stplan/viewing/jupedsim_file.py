@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from stplan.viewing.motion import positions
+from stplan.analysis.paths import positions
 from stplan.viewing.run_view import RunView
 
 

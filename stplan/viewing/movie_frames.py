@@ -13,9 +13,9 @@ from matplotlib.colors import to_rgba, to_rgba_array
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from stplan.analysis.paths import positions
 from stplan.arrays import FloatArray
 from stplan.viewing.drawing import FAINT, INK, MUTED, draw_ground, look, view_box
-from stplan.viewing.motion import positions
 from stplan.viewing.palette import hex_colours
 from stplan.viewing.run_view import RunView
 
@@ -115,7 +115,7 @@ class _Stage:
     def __init__(self, axes: Axes, view: RunView, title: str, end: float) -> None:
         self.axes = axes
         self._view = view
-        self._leaves = np.where(view.stays, end, view.arrivals)
+        self._leaves = view.seen_until(end)
         self._trail = _TRAIL * max(view.end - view.begin, 1e-9)
         draw_ground(axes, view, view_box(view))
         axes.set_title(title)

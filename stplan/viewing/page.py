@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 import shapely
 
+from stplan.analysis.paths import path_length, segment_speeds
+from stplan.analysis.tightness import TightSpot, pair_spots, wall_spots
+from stplan.analysis.waiting import Wait, waits
 from stplan.arrays import FloatArray
-from stplan.viewing.clearances import TightMoment, smallest_clearance, tight_pairs, tight_walls
-from stplan.viewing.motion import segment_speeds
+from stplan.viewing.clearances import smallest_clearance, touching_point
 from stplan.viewing.palette import hex_colours
 from stplan.viewing.run_view import RunView
-from stplan.viewing.waits import Wait, waits
 
 _SAMPLES = 600
 # Clearances are shown up to so many times the median radius.
@@ -35,8 +36,9 @@ def page_bytes(view: RunView) -> bytes:
 
 def page_content(view: RunView) -> dict[str, Any]:
     """What the page's scripts read: lengths in m, times in s, agents by their index."""
-    waiting = waits(view)
-    moments = sorted(tight_pairs(view) + tight_walls(view), key=lambda moment: moment.clearance)
+    waiting = sorted(waits(view.crowd), key=lambda wait: wait.begin)
+    spots = pair_spots(view.crowd) + wall_spots(view.crowd)
+    spots.sort(key=lambda spot: spot.clearance)
     return {
         "title": view.title,
         "description": view.description,
@@ -50,17 +52,17 @@ def page_content(view: RunView) -> dict[str, Any]:
             for a, colour in enumerate(hex_colours(view.num_agents))
         ],
         "seed": _seed(view),
-        "moments": [_moment(moment) for moment in moments],
+        "moments": [_moment(view, spot) for spot in spots],
         "clearance": _clearance(view),
     }
 
 
 def _agent(view: RunView, a: int, colour: str, waiting: list[Wait]) -> dict[str, Any]:
     curve = view.lines.curve(a)
-    length = float(np.hypot(*np.diff(curve[:, :2], axis=0).T).sum())
-    preferred = float(view.preferred[a])
+    length, name = path_length(curve), view.lines.agent_ids[a]
+    preferred = float(view.crowd.preferred[a])
     return {
-        "id": view.lines.agent_ids[a],
+        "id": name,
         "colour": colour,
         "radius": float(view.radii[a]),
         "knots": _rounded(curve),
@@ -70,19 +72,27 @@ def _agent(view: RunView, a: int, colour: str, waiting: list[Wait]) -> dict[str,
         "mean": length / float(curve[-1, 2] - curve[0, 2]),
         "top": float(segment_speeds(curve).max()),
         "waits": [
-            {"begin": wait.begin, "end": wait.end, "b": wait.b} for wait in waiting if wait.a == a
+            {
+                "begin": wait.begin,
+                "end": wait.end,
+                "b": None if wait.meeting is None else view.rows[wait.meeting.agent],
+            }
+            for wait in waiting
+            if wait.agent == name
         ],
     }
 
 
-def _moment(moment: TightMoment) -> dict[str, Any]:
+def _moment(view: RunView, spot: TightSpot) -> dict[str, Any]:
+    a, *b = (view.rows[name] for name in spot.who)
+    x, y = touching_point(view, spot)
     return {
-        "a": moment.who[0],
-        "b": moment.who[1] if len(moment.who) > 1 else None,
-        "clearance": float(f"{moment.clearance:.6g}"),
-        "time": round(moment.time, 6),
-        "x": round(moment.place[0], 6),
-        "y": round(moment.place[1], 6),
+        "a": a,
+        "b": b[0] if b else None,
+        "clearance": float(f"{spot.clearance:.6g}"),
+        "time": round(spot.time, 6),
+        "x": round(x, 6),
+        "y": round(y, 6),
     }
 
 

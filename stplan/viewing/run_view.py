@@ -6,19 +6,22 @@ radii are in the run itself; what else is missing is noted and left out of the p
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
-from stplan.arrays import BoolArray, FloatArray
+from stplan.analysis.crowd import Crowd
+from stplan.arrays import FloatArray
 from stplan.errors import SceneError, UsageError
 from stplan.files.npz_file import read_npz
 from stplan.files.run_folder import REPORT, recorded_scene
 from stplan.files.trajectories import read_trajectories
+from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.presence import present_until
 from stplan.problem.world_lines import WorldLines
 from stplan.scene import load_scene
-from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Scene
 from stplan.world import FreeSpace, build_free_space
 
@@ -32,15 +35,9 @@ class RunView:
     Attributes:
         name, description: the scene's, or the folder's name and nothing.
         title: the name, and whether these are only the initial curves.
-        lines: the curves.
+        crowd: the agents and their curves.
         seed: the initial curves, None where they are not in the folder or are what is shown.
-        radii: (A,) m.
-        preferred: (A,) wanted arrival in s, NaN where there is none.
-        stays: (A,) whether an agent stands on its goal after it has arrived.
         waypoints: (x, y) of every agent's waypoints.
-        collides, distance: (A, A) who keeps which distance (m) from whom.
-        heeds_walls: (A,).
-        free_space: the map, None where there is none or it is lost.
         time_scale: m/s.
         notes: a sentence for everything that is missing or differs.
     """
@@ -48,23 +45,31 @@ class RunView:
     name: str
     title: str
     description: str
-    lines: WorldLines
+    crowd: Crowd
     seed: WorldLines | None
-    radii: FloatArray
-    preferred: FloatArray
-    stays: BoolArray
     waypoints: tuple[tuple[tuple[float, float], ...], ...]
-    collides: BoolArray
-    distance: FloatArray
-    heeds_walls: BoolArray
-    free_space: FreeSpace | None
     time_scale: float
     notes: tuple[str, ...]
 
     @property
     def num_agents(self) -> int:
         """Number of agents A."""
-        return self.lines.num_agents
+        return self.crowd.num_agents
+
+    @property
+    def lines(self) -> WorldLines:
+        """The curves."""
+        return self.crowd.lines
+
+    @property
+    def radii(self) -> FloatArray:
+        """(A,) m."""
+        return self.crowd.radii
+
+    @property
+    def free_space(self) -> FreeSpace | None:
+        """The map, None where there is none or it is lost."""
+        return self.crowd.free_space
 
     @property
     def begin(self) -> float:
@@ -79,13 +84,21 @@ class RunView:
     @property
     def arrivals(self) -> FloatArray:
         """(A,) s."""
-        times: FloatArray = self.lines.knots[self.lines.offsets[1:] - 1, 2]
-        return times
+        return self.crowd.arrivals
 
     @property
     def leaves(self) -> FloatArray:
         """(A,) until when each agent is seen, s."""
-        return np.where(self.stays, self.end, self.arrivals)
+        return self.seen_until(self.end)
+
+    def seen_until(self, end: float) -> FloatArray:
+        """(A,) until when each agent is seen in pictures that end at `end`, s."""
+        return present_until(self.crowd.stays, self.arrivals, end)
+
+    @cached_property
+    def rows(self) -> dict[str, int]:
+        """The place of every agent among the curves, by its id."""
+        return {agent_id: a for a, agent_id in enumerate(self.lines.agent_ids)}
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
@@ -141,27 +154,17 @@ def open_run(path: Path, scene_file: Path | None = None) -> RunView:
                 f"{file}: the radii are neither in it nor in a scene; name the scene: --scene FILE"
             )
         return _without_scene(file, lines, seed, radii, time_scale, tuple(notes))
-    place = {agent.id: a for a, agent in enumerate(scene.agents)}
-    order = np.array([place[agent_id] for agent_id in lines.agent_ids])
-    agents = [scene.agents[a] for a in order]
-    interactions = scene_interactions(scene)
-    square = np.ix_(order, order)
+    problem = PlanningProblem.from_scene(scene, free_space)
+    crowd = Crowd.of_problem(problem, lines)
+    place = {agent.id: agent for agent in scene.agents}
     return RunView(
         name=scene.name,
         title=_title(scene.name, file),
         description=scene.description,
-        lines=lines,
+        # As they were when planned, should the scene have changed.
+        crowd=crowd if radii is None else replace(crowd, radii=radii),
         seed=seed,
-        radii=np.array([agent.radius for agent in agents]) if radii is None else radii,
-        preferred=np.array(
-            [np.nan if a.preferred_time is None else a.preferred_time for a in agents]
-        ),
-        stays=np.array([agent.after_arrival == "stay" for agent in agents]),
-        waypoints=tuple(agent.waypoints for agent in agents),
-        collides=interactions.collides[square],
-        distance=interactions.distance[square],
-        heeds_walls=np.array([agent.weights.wall > 0 for agent in agents]),
-        free_space=free_space,
+        waypoints=tuple(place[agent_id].waypoints for agent_id in lines.agent_ids),
         time_scale=scene.time_scale,
         notes=tuple(notes),
     )
@@ -220,22 +223,14 @@ def _without_scene(
     time_scale: float | None,
     notes: tuple[str, ...],
 ) -> RunView:
-    count = lines.num_agents
     name = file.resolve().parent.name
     return RunView(
         name=name,
         title=_title(name, file),
         description="",
-        lines=lines,
+        crowd=Crowd.of_discs(lines, radii),
         seed=seed,
-        radii=radii,
-        preferred=np.full(count, np.nan),
-        stays=np.ones(count, dtype=bool),
-        waypoints=((),) * count,
-        collides=~np.eye(count, dtype=bool),
-        distance=radii[:, None] + radii[None, :],
-        heeds_walls=np.ones(count, dtype=bool),
-        free_space=None,
+        waypoints=((),) * lines.num_agents,
         time_scale=1.0 if time_scale is None else time_scale,
         notes=notes,
     )

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
-from stplan.explain.passages import passages
-from stplan.explain.scene import explain_scene
+from stplan.explain.scene import explain_scene, passage_section
+from stplan.problem.planning_problem import prepare
 from stplan.scene.model import Scene
 from stplan.scene.reading.load import parse_scene
-from stplan.world import build_free_space
 
 # A wall at x = 5 with a gap of 0.6 m around y = 1.8.
 GAP = (
@@ -34,50 +32,33 @@ ANN = "id: ann, start: [9, 1], goal: [1, 1], radius: 0.2"
 
 
 def test_a_narrow_place_and_who_has_to_pass_it():
-    scene = scene_of(SAM, ANN, world=GAP)
-    (passage,) = passages(scene, build_free_space(scene)).facts
-    assert passage.agents == ("sam", "ann")
-    assert passage.half_width == pytest.approx(0.3, abs=1e-3)
-    assert passage.place == pytest.approx((5.0, 1.8), abs=0.01)
-    assert (passage.blocked, passage.stop, passage.side_by_side) == ((), False, False)
-    assert passage.sentence() == (
+    (fact,) = passage_section(prepare(scene_of(SAM, ANN, world=GAP))).facts
+    assert fact.sentence == (
         "the way of sam and ann is 0.6 m wide near (5, 1.8), which leaves 50 mm on either side "
         "of a radius of 0.25 m; one at a time"
     )
+    assert fact.as_dict()["agents"] == ("sam", "ann")
 
 
 def test_side_by_side():
-    scene = scene_of(
-        SAM.replace("0.25", "0.1"), ANN.replace("0.2", "0.1"), world=GAP.replace("2.1", "2.0")
-    )
-    (passage,) = passages(scene, build_free_space(scene)).facts
-    assert passage.side_by_side
-    assert "one at a time" not in passage.sentence()
+    small = (SAM.replace("0.25", "0.1"), ANN.replace("0.2", "0.1"))
+    section = passage_section(prepare(scene_of(*small, world=GAP.replace("2.1", "2.0"))))
+    assert "one at a time" not in section.facts[0].sentence
 
 
 def test_a_stop_near_a_wall():
     scene = scene_of("id: sam, start: [0.26, 2], goal: [4, 2], radius: 0.25", world=GAP)
-    (passage,) = passages(scene, build_free_space(scene)).facts
-    assert (passage.stop, passage.place) == (True, (0.26, 2.0))
-    assert passage.half_width == pytest.approx(0.26)
-
-
-def test_a_corridor_is_narrow_somewhere_within():
-    scene = scene_of(
-        "id: sam, start: [0.6, 0.5], goal: [9, 0.5], radius: 0.3",
-        world="{rectangle: [0, 0, 10, 1]}",
+    assert passage_section(prepare(scene)).facts[0].sentence == (
+        "the stop (0.26, 2) of sam is 0.26 m from a wall, "
+        "which leaves 10 mm beyond a radius of 0.25 m"
     )
-    (passage,) = passages(scene, build_free_space(scene)).facts
-    assert passage.half_width == pytest.approx(0.5, abs=1e-3)
-    assert 0.5 < passage.place[0] < 9.5
 
 
-def test_wide_places_and_agents_without_walls_are_passed_over():
+def test_where_nothing_is_narrow():
     wide = scene_of("id: sam, start: [5, 5], goal: [9, 5]", world="{rectangle: [0, 0, 20, 10]}")
-    assert not passages(wide, build_free_space(wide)).facts
-    blind = scene_of(SAM + ", weights: {wall: 0}", world=GAP)
-    assert not passages(blind, build_free_space(blind)).facts
-    assert not passages(scene_of(SAM), None).facts
+    lead = passage_section(prepare(wide)).lead
+    assert lead == "Nobody has to pass a place narrower than 8 of its radii."
+    assert passage_section(prepare(scene_of(SAM))).lead == "No agent has walls to mind."
 
 
 def test_a_goal_that_cannot_be_reached():
@@ -118,7 +99,7 @@ def test_who_is_there_and_who_would_meet():
     assert "3 agents of radius 0.3 to 0.5 m and mass 1 to 80 kg, within 20 s:" in text
     assert "1 of 3 pairs of agents may not touch" in text
     assert "1 pair of agents are drawn together" in text
-    assert "1 agent moves as told" in text
+    assert "1 agent moves as prescribed" in text
     assert "1 of 1 pair would come too near:" in text
     assert "sam and ann would be 0.8 m too near at t = 10.00 s, (0, 0)" in text
     assert "Initial curves" not in text

@@ -13,7 +13,6 @@ from PIL import Image
 
 from stplan.viewing.drawing import look
 from stplan.viewing.figure import FORMATS, draw_figure, figure_bytes
-from stplan.viewing.figure_time import metres
 from stplan.viewing.palette import agent_colours
 from stplan.viewing.run_view import open_run
 from tests.viewing.runs import CURVES, HALL, hall_run, many_run, write_run
@@ -45,7 +44,7 @@ def test_every_format(view):
     ):
         assert expected in texts
     assert texts.count("ann") >= 2
-    assert any(text.startswith("ann and ben: 23 cm") for text in texts)
+    assert any(text.startswith("ann and ben: 0.23") for text in texts)
     assert "initial curve" not in texts
     picture = _pixels(figure_bytes(view, "png", dpi=40))
     assert picture.shape[1] == 13 * 40
@@ -120,17 +119,3 @@ def test_labels_thin_out_and_lists_fold_for_many_agents(tmp_path):
     assert "150 agents" in many
     assert "median" in many
     assert len(many) < len(few)
-
-
-@pytest.mark.parametrize(
-    ("length", "words"),
-    [
-        (0.0004501, "0.45 mm"),
-        (-0.02, "-2 cm"),
-        (0.994, "99 cm"),
-        (0.996, "0.996 m"),
-        (1.5, "1.5 m"),
-    ],
-)
-def test_lengths_in_words(length, words):
-    assert metres(length) == words

@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 import trimesh
 
-from stplan.viewing.clearances import (
-    pair_clearance,
-    smallest_clearance,
-    tight_pairs,
-    tight_walls,
-)
-from stplan.viewing.motion import nice_step, positions, segment_speeds
+from stplan.analysis.crowd import Crowd
+from stplan.analysis.paths import positions, segment_speeds
+from stplan.analysis.tightness import pair_spots, wall_spots
+from stplan.analysis.waiting import waits
+from stplan.problem.planning_problem import prepare
+from stplan.scene import load_scene
+from stplan.viewing.clearances import pair_clearance, smallest_clearance, touching_point
 from stplan.viewing.palette import agent_colours, hex_colours
-from stplan.viewing.rods import rod_curve, rod_mesh
+from stplan.viewing.rod_meshes import rod_curve, rod_mesh
 from stplan.viewing.run_view import open_run
-from stplan.viewing.waits import waits
+from stplan.viewing.ticks import nice_step
 from tests.viewing.runs import CURVES, hall_run
 
 
@@ -43,35 +43,50 @@ def test_nice_steps():
 
 def test_tight_moments_are_those_that_sampling_finds(view):
     times = np.linspace(0.0, 9.0, 20001)
-    moments = tight_pairs(view)
+    moments = pair_spots(view.crowd)
     assert len(moments) == 3
     assert [m.clearance for m in moments] == sorted(m.clearance for m in moments)
     for moment in moments:
-        sampled = pair_clearance(view, *moment.who, times)
+        who = [view.rows[name] for name in moment.who]
+        sampled = pair_clearance(view, *who, times)
         assert np.nanmin(sampled) == pytest.approx(moment.clearance, abs=1e-3)
         assert moment.clearance <= np.nanmin(sampled) + 1e-12
-        assert pair_clearance(view, *moment.who, np.array([moment.time]))[0] == (
+        assert pair_clearance(view, *who, np.array([moment.time]))[0] == (
             pytest.approx(moment.clearance, abs=1e-9)
         )
     between, to_walls = smallest_clearance(view, times)
     assert between.min() == pytest.approx(moments[0].clearance, abs=1e-3)
-    walls = tight_walls(view)
+    walls = wall_spots(view.crowd)
     assert to_walls.min() == pytest.approx(walls[0].clearance, abs=1e-3)
     # ben stands 0.5 m below the obstacle; its start is as far from the lower wall.
-    ben = next(moment for moment in walls if moment.who == (1,))
+    ben = next(moment for moment in walls if moment.who == ("ben",))
     assert ben.clearance == pytest.approx(0.1)
 
 
-def test_the_place_of_a_tight_moment_lies_between_the_rims(view):
-    moment = next(m for m in tight_pairs(view) if m.who == (0, 1))
-    places = positions(view.lines, view.leaves, np.array([moment.time]))[:2, 0]
-    gaps = np.linalg.norm(places - moment.place, axis=1) / view.radii[:2]
+def test_a_tight_spot_is_marked_between_the_rims(view):
+    spot = next(spot for spot in pair_spots(view.crowd) if spot.who == ("ann", "ben"))
+    places = positions(view.lines, view.leaves, np.array([spot.time]))[:2, 0]
+    gaps = np.linalg.norm(places - touching_point(view, spot), axis=1) / view.radii[:2]
     assert gaps[0] == pytest.approx(gaps[1])
+    # Both agree on the tightest moment, of which the spot says where the middle is.
+    assert spot.place == pytest.approx(places.mean(axis=0))
 
 
 def test_who_waits_for_whom(view):
-    (wait,) = waits(view)
-    assert (wait.a, wait.begin, wait.end, wait.b) == (1, 1.5, 5.0, 0)
+    (wait,) = waits(view.crowd)
+    assert (wait.agent, wait.begin, wait.end) == ("ben", 1.5, 5.0)
+    assert wait.meeting is not None
+    assert wait.meeting.agent == "ann"
+
+
+def test_pictures_and_explanations_know_the_same_waits(view, tmp_path):
+    problem = prepare(load_scene(tmp_path / "scene.yaml"))
+    assert waits(view.crowd) == waits(Crowd.of_problem(problem, view.lines))
+
+
+def test_who_waits_where_the_scene_is_lost(view, tmp_path):
+    (tmp_path / "scene.yaml").unlink()
+    assert waits(open_run(tmp_path / "hall").crowd) == waits(view.crowd)
 
 
 def test_colours_of_neighbours_are_far_apart():

@@ -169,7 +169,7 @@ def test_a_small_scene(opened, tmp_path):
 
     # All again; who waits, and for whom.
     page.keyboard.press("Escape")
-    wait = panel.locator(".moments button", has_text="ben near ann")
+    wait = panel.locator(".moments button", has_text="ben for ann")
     assert "1.5 to 5.0 s" in wait.inner_text()
     wait.click()
     assert _time(page) == pytest.approx(1.5)

@@ -21,14 +21,14 @@ def test_a_whole_run(run):
     assert view.lines.agent_ids == ("ann", "ben", "cat")
     assert view.seed is not None
     assert view.radii.tolist() == [0.3, 0.4, 0.3]
-    np.testing.assert_equal(view.preferred, [7.0, np.nan, np.nan])
+    np.testing.assert_equal(view.crowd.preferred, [7.0, np.nan, np.nan])
     assert view.waypoints == ((), ((0.0, -1.0),), ())
     assert (view.begin, view.end) == (0.0, 9.0)
     # Who stays is seen until nothing moves any more.
     assert view.leaves.tolist() == [9.0, 9.0, 9.0]
     assert view.bounds == (-5.0, -3.0, 5.0, 3.0)
     assert view.free_space is not None
-    assert view.distance[0, 1] == pytest.approx(0.7)
+    assert view.crowd.distance[0, 1] == pytest.approx(0.7)
 
 
 def test_files_of_a_run(run):
@@ -120,6 +120,6 @@ def test_agents_in_another_order_than_in_the_scene(run, tmp_path):
     (tmp_path / "scene.yaml").write_text("\n".join([*lines[:9], lines[11], lines[9], lines[10]]))
     view = open_run(run)
     assert view.lines.agent_ids == ("ann", "ben", "cat")
-    assert view.stays.tolist() == [True, True, False]
-    assert view.preferred[0] == 7.0
+    assert view.crowd.stays.tolist() == [True, True, False]
+    assert view.crowd.preferred[0] == 7.0
     assert view.lines.curve(2).tolist() == CURVES[2].tolist()

@@ -154,7 +154,7 @@ export class Panel {
 
   waits(rows) {
     const shown = rows.map((wait) => {
-      const why = wait.b === null ? "" : ` near ${this.name(wait.b)}`;
+      const why = wait.b === null ? "" : ` for ${this.name(wait.b)}`;
       const go = () => {
         this.state.play(false);
         this.state.select([wait.a]);

@@ -1,16 +1,9 @@
 // Numbers as a reader wants them.
 
-const RULES = [
-  [0.01, 1000, "mm"],
-  [0.995, 100, "cm"],
-  [Infinity, 1, "m"],
-];
-
-/** A length in m as 3.2 mm, 41 cm or 1.25 m. */
+/** A length in m as 3.2 mm or 1.25 m, as in all that the program says. */
 export function metres(length) {
-  const [, factor, unit] = RULES.find(([limit]) => Math.abs(length) < limit);
-  const digits = unit === "m" ? 3 : 2;
-  return `${Number((factor * length).toPrecision(digits))} ${unit}`;
+  const [factor, unit] = Math.abs(length) < 0.1 ? [1000, "mm"] : [1, "m"];
+  return `${Number((factor * length).toPrecision(3))} ${unit}`;
 }
 
 export const seconds = (time) => `${time.toFixed(2)} s`;

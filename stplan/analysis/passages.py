@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 
 from stplan.arrays import FloatArray
-from stplan.explain.explanation import Section, at, count, metres, names
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.model import Scene
 from stplan.world import FreeSpace, eroded
 
@@ -48,43 +48,18 @@ class Passage:
     blocked: tuple[str, ...]
     side_by_side: bool
 
-    def sentence(self) -> str:
-        """In words."""
-        spare = self.half_width - self.radius
-        where = (
-            f"the stop {at(self.place)} of {names(self.agents)} is {metres(self.half_width)} "
-            "from a wall"
-            if self.stop
-            else f"the way of {names(self.agents)} is {metres(2 * self.half_width)} wide near "
-            f"{at(self.place)}"
-        )
-        if self.blocked:
-            return (
-                f"{where}, too narrow for {names(self.blocked)}: a radius of "
-                f"{metres(self.radius)} needs {metres(-2 * spare)} more"
-            )
-        sides = "beyond" if self.stop else "on either side of"
-        alone = len(self.agents) > 1 and not self.stop and not self.side_by_side
-        return (
-            f"{where}, which leaves {metres(spare)} {sides} a radius of {metres(self.radius)}"
-            + ("; one at a time" if alone else "")
-        )
 
-
-def passages(scene: Scene, free_space: FreeSpace | None) -> Section:
-    """Narrow places, the tightest for the radii that have to pass them first."""
-    title = "Passages"
-    heeding = [
-        a for a, agent in enumerate(scene.agents) if agent.weights.wall > 0 and agent.path is None
-    ]
-    if free_space is None or not heeding:
-        return Section("passages", title, "No agent has walls to mind.")
-    erosions = _Erosions(free_space)
+def passages(problem: PlanningProblem) -> list[Passage] | None:
+    """Narrow places, the tightest for the radii that have to pass them first; None without walls."""
+    scene = problem.scene
+    heeding = np.flatnonzero(problem.heeds_walls & ~problem.prescribed).tolist()
+    if problem.free_space is None or not heeding:
+        return None
+    erosions = _Erosions(problem.free_space)
     found: dict[tuple[int, int, int], list[int]] = {}
-    stops_of = {a: _stops(scene, a) for a in heeding}
     spots = {}
     for a in heeding:
-        width, place, stop = erosions.narrowest(stops_of[a])
+        width, place, stop = erosions.narrowest(_stops(problem, a))
         radius = scene.agents[a].radius
         if width >= WIDE * radius:
             continue
@@ -93,19 +68,11 @@ def passages(scene: Scene, free_space: FreeSpace | None) -> Section:
         found.setdefault(key, []).append(a)
         spots[key] = (width, place, stop)
     facts = [_passage(scene, agents, *spots[key]) for key, agents in found.items()]
-    if not facts:
-        wide = f"Nobody has to pass a place narrower than {2 * WIDE:g} of its radii."
-        return Section("passages", title, wide)
-    facts.sort(key=lambda fact: fact.half_width / fact.radius)
-    blocked = sum(bool(fact.blocked) for fact in facts)
-    lead = f"{count(len(facts), 'narrow place')} on the widest ways"
-    lead += f", {blocked} of them too narrow" if blocked else ""
-    return Section("passages", title, lead + ":", facts)
+    return sorted(facts, key=lambda fact: fact.half_width / fact.radius)
 
 
-def _stops(scene: Scene, a: int) -> FloatArray:
-    agent = scene.agents[a]
-    return np.array([agent.start, *agent.waypoints, agent.goal])
+def _stops(problem: PlanningProblem, a: int) -> FloatArray:
+    return np.vstack([problem.starts[a], problem.waypoints[a], problem.goals[a]])
 
 
 def _passage(
