@@ -18,8 +18,8 @@ from stplan.compiled import compiled_before
 from stplan.errors import BrokenSeedError, StoppedError
 from stplan.files.atomic import write_set
 from stplan.files.json_file import json_bytes
-from stplan.files.manifest import KEY, RUN_RECORD, seal
-from stplan.files.run_folder import REPORT
+from stplan.files.manifest import KEY, manifest
+from stplan.files.recorded import REPORT, RUN_RECORD
 from stplan.files.trajectories import curve_files
 from stplan.geometry.segments import squared_distance
 from stplan.multistart import best_seed
@@ -143,12 +143,12 @@ def write_plan(result: Plan, folder: Path) -> list[Path]:
 
 
 def plan_files(result: Plan) -> dict[str, bytes]:
-    """What `write_plan` writes, by file name: the record with the seal of all others comes last."""
+    """What `write_plan` writes, by file name: the record with the manifest of all others comes last."""
     curves = {"seed": result.seed}
     if result.trajectories is not None:
         curves["trajectories"] = result.trajectories
     contents = curve_files(result.scene, curves) | {REPORT: json_bytes(result.report)}
-    return contents | {RUN_RECORD: json_bytes(result.run | {KEY: seal(contents)})}
+    return contents | {RUN_RECORD: json_bytes(result.run | {KEY: manifest(contents)})}
 
 
 def prepare(scene: Scene) -> PlanningProblem:

@@ -20,8 +20,7 @@ from stplan.batch.runs import Run
 from stplan.batch.summary import SUMMARIES, write_summary
 from stplan.errors import UsageError
 from stplan.files.atomic import remove_unfinished, write_atomically, write_set
-from stplan.files.manifest import RUN_RECORD
-from stplan.files.run_folder import REPORT
+from stplan.files.recorded import REPORT, RUN_RECORD, parse_report, parse_times
 
 TRACEBACK = "traceback.txt"
 
@@ -145,10 +144,10 @@ def _without_planning(run: Run, settings: Settings) -> Result | None:
     there = found(run, folder)
     if there.missing:
         return None
-    advice = there.report.get("advice")
+    advice = there.report.advice
     return Result(
-        run, folder, there.state, (advice,) if advice else (), there.report, there.record,
-        there.record.get("seconds", {}).get("total"), fresh=False,
+        run, folder, there.state, (advice,) if advice else (), there.report, there.times,
+        there.times.total, fresh=False,
     )  # fmt: skip
 
 
@@ -183,8 +182,9 @@ def _written(run: Run, folder: Path, outcome: Outcome) -> Result:
     except UsageError as error:
         # Every other run would be planned in vain.
         raise UsageError(f"{error}; {GO_ON}") from error
-    report, record = (json.loads(outcome.files[name]) for name in (REPORT, RUN_RECORD))
-    return Result(run, folder, outcome.state, messages, report, record, record["seconds"]["total"])
+    report = parse_report(json.loads(outcome.files[REPORT]), folder / REPORT)
+    times = parse_times(json.loads(outcome.files[RUN_RECORD]), folder / RUN_RECORD)
+    return Result(run, folder, outcome.state, messages, report, times, times.total)
 
 
 @contextmanager

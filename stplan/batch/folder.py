@@ -6,15 +6,20 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from filelock import FileLock, Timeout
 
 from stplan.batch.runs import Run
 from stplan.errors import UsageError
-from stplan.files.json_file import read_json
-from stplan.files.manifest import RUN_RECORD, broken_seal
-from stplan.files.run_folder import REPORT
+from stplan.files.manifest import why_incomplete
+from stplan.files.recorded import (
+    REPORT,
+    RUN_RECORD,
+    RecordedReport,
+    RecordedTimes,
+    read_report,
+    read_times,
+)
 from stplan.status import Status
 
 LOCK = ".stplan-batch.lock"
@@ -27,14 +32,13 @@ class Found:
     Attributes:
         missing: why the run is to be planned (again); empty where it is done.
         state: of a run that is done, "certified" or "failed".
-        report: what its report.json holds.
-        record: what its run.json holds.
+        report, times: what its files say.
     """
 
     missing: str
     state: str = ""
-    report: dict[str, Any] = field(default_factory=dict)
-    record: dict[str, Any] = field(default_factory=dict)
+    report: RecordedReport = field(default_factory=RecordedReport)
+    times: RecordedTimes = field(default_factory=RecordedTimes)
 
     @property
     def done(self) -> bool:
@@ -44,27 +48,24 @@ class Found:
 
 def found(run: Run, folder: Path) -> Found:
     """What `folder` holds of `run`."""
-    missing = broken_seal(folder)
+    missing = why_incomplete(folder)
     if missing:
         return Found(missing)
     try:
-        report, record = read_json(folder / REPORT), read_json(folder / RUN_RECORD)
+        report, times = read_report(folder / REPORT), read_times(folder / RUN_RECORD)
     except UsageError as error:
         return Found(str(error))
-    scene = report.get("scene")
-    if not isinstance(scene, dict) or scene.get("hash") != run.content_hash:
+    if report.content_hash != run.content_hash:
         return Found("the scene, its mesh or its settings have changed")
     # Loaded late: where nothing is done yet, the workers alone need what plans.
     from stplan.report import versions
 
-    if report.get("versions") != versions():
+    if report.versions != versions():
         return Found("planned by other versions")
-    status, certificate = report.get("status"), report.get("certificate")
-    holds = isinstance(certificate, dict) and certificate.get("holds") is True
-    exit_status = {one.value: one.exit_status for one in Status}.get(str(status), 130)
-    if exit_status == 130 or not holds:
+    exit_status = {one.value: one.exit_status for one in Status}.get(str(report.status), 130)
+    if exit_status == 130 or not report.holds:
         return Found("it was interrupted")
-    return Found("", "failed" if exit_status else "certified", report, record)
+    return Found("", "failed" if exit_status else "certified", report, times)
 
 
 @contextmanager

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from stplan.batch.outcome import EXIT_STATUS
 from stplan.batch.runs import Run
+from stplan.files.recorded import RecordedReport, RecordedTimes
 
 
 @dataclass(frozen=True)
@@ -19,8 +18,7 @@ class Result:
         folder: where its files are, if it has any.
         state: one of `outcome.EXIT_STATUS`.
         messages: what a user should know of it.
-        report: its report.json; empty where nothing was written.
-        record: its run.json; likewise.
+        report, times: what its files say; nothing where none were written.
         seconds: wall time of planning it, now or when it was found done; None if unknown.
         fresh: planned now, and not found done.
     """
@@ -29,8 +27,8 @@ class Result:
     folder: Path
     state: str
     messages: tuple[str, ...] = ()
-    report: Mapping[str, Any] = field(default_factory=dict, repr=False)
-    record: Mapping[str, Any] = field(default_factory=dict, repr=False)
+    report: RecordedReport = field(default_factory=RecordedReport, repr=False)
+    times: RecordedTimes = field(default_factory=RecordedTimes, repr=False)
     seconds: float | None = None
     fresh: bool = True
 
@@ -40,21 +38,13 @@ class Result:
         return EXIT_STATUS[self.state]
 
     @property
-    def clearance(self) -> float | None:
-        """The smallest of all demanded clearances, m."""
-        smallest = self.report.get("certificate", {}).get("smallest_clearance")
-        # Its row: who (one agent or two), then clearance, time and place.
-        return smallest[-4] if smallest else None
-
-    @property
     def sentence(self) -> str:
         """In one line: the state and the figures that matter most."""
-        metrics = self.report.get("metrics", {})
-        parts = [self.state]
-        if self.clearance is not None:
-            parts.append(f"clearance {self.clearance:.4g} m")
-        if metrics.get("latest_arrival") is not None:
-            parts.append(f"latest arrival {metrics['latest_arrival']:.2f} s")
+        parts, report = [self.state], self.report
+        if report.smallest_clearance is not None:
+            parts.append(f"clearance {report.smallest_clearance:.4g} m")
+        if report.latest_arrival is not None:
+            parts.append(f"latest arrival {report.latest_arrival:.2f} s")
         if self.seconds is not None and self.fresh:
             parts.append(f"took {self.seconds:.2f} s")
         if not self.fresh:

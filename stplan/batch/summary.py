@@ -39,8 +39,6 @@ def summary(batch: Batch) -> dict[str, Any]:
 
 def _entry(result: Result) -> dict[str, Any]:
     report = result.report
-    certificate = report.get("certificate", {})
-    metrics = report.get("metrics", {})
     return {
         "run": result.run.name,
         "scene": str(result.run.source),
@@ -48,25 +46,20 @@ def _entry(result: Result) -> dict[str, Any]:
         "hash": result.run.content_hash or None,
         "state": result.state,
         "exit_status": result.exit_status,
-        "status": report.get("status"),
-        "certificate_holds": certificate.get("holds", False),
-        "smallest_clearance": result.clearance,
-        "latest_arrival": metrics.get("latest_arrival"),
-        "kinetic_over_straight": metrics.get("kinetic_over_straight"),
-        "iterations": _iterations(result),
-        "costs": report.get("costs", {}),
+        "status": report.status,
+        "certificate_holds": bool(report.holds),
+        "smallest_clearance": report.smallest_clearance,
+        "latest_arrival": report.latest_arrival,
+        "kinetic_over_straight": report.kinetic_over_straight,
+        "iterations": report.iterations,
+        "costs": report.costs,
         "messages": list(result.messages),
         "seconds": _seconds(result),
     }
 
 
-def _iterations(result: Result) -> int | None:
-    loops = result.report.get("outer_iterations")
-    return None if loops is None else sum(loop["iterations"] for loop in loops)
-
-
 def _seconds(result: Result) -> dict[str, float | None]:
-    spent = result.record.get("seconds", {})
+    spent = result.times.seconds
     return {phase: spent.get(phase) for phase in _PHASES} | {"total": result.seconds}
 
 

@@ -20,6 +20,7 @@ from stplan.bench.csv_table import csv_table
 from stplan.bench.machine import description
 from stplan.bench.markdown import table
 from stplan.errors import UsageError
+from stplan.files.recorded import RUN_RECORD, read_times
 
 # What is asked: seconds a run beyond planning it, and how many times the runs of one process two do.
 ASKED_OVERHEAD = 0.05
@@ -107,9 +108,11 @@ def _read(folder: Path, jobs: int, wall: float) -> Measured:
 
 
 def _span(folder: Path) -> tuple[datetime, datetime]:
-    record = json.loads((folder / "run.json").read_text(encoding="utf-8"))
-    start = datetime.fromisoformat(record["started"])
-    return start, start + timedelta(seconds=record["seconds"]["total"])
+    """When planning a run began and ended."""
+    times = read_times(folder / RUN_RECORD)
+    if times.started is None or times.total is None:
+        raise UsageError(f"{folder / RUN_RECORD}: says neither when it began nor how long it took")
+    return times.started, times.started + timedelta(seconds=times.total)
 
 
 def files(measured: Sequence[Measured]) -> dict[str, bytes]:

@@ -196,7 +196,7 @@ def explain(
     scene, lines, changed = _scene_and_lines("explain", run_or_scene, trajectories, overrides)
     from stplan.explain.run import explain_run
     from stplan.explain.scene import explain_scene
-    from stplan.files.run_folder import report_of
+    from stplan.files.recorded import REPORT, read_report
 
     if changed:
         console.progress(f"note: {scene.source} is not as it was when this run was planned")
@@ -208,7 +208,7 @@ def explain(
             )
         status = 0 if plannable else 3
     else:
-        report = None if trajectories else report_of(run_or_scene)
+        report = None if trajectories else read_report(run_or_scene / REPORT)
         explanation, certificate = explain_run(scene, lines, report)
         status = 0 if certificate.holds else 1
     console.result(*explanation.lines(everything=everything))

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 from stplan.analysis.crowd import Crowd
 from stplan.analysis.detours import ways_alone
 from stplan.certify.certificate import Certificate, certify
 from stplan.explain.curves import curve_sections
 from stplan.explain.explanation import Explanation, Fact, Section
+from stplan.files.recorded import RecordedReport
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
@@ -18,7 +16,7 @@ from stplan.world import fitted_free_space
 
 
 def explain_run(
-    scene: Scene, lines: WorldLines, report: Mapping[str, Any] | None = None
+    scene: Scene, lines: WorldLines, report: RecordedReport | None = None
 ) -> tuple[Explanation, Certificate]:
     """What `lines` (in any order of agents) look like, and their certificate.
 
@@ -32,17 +30,18 @@ def explain_run(
     certificate = certify(scene, problem.free_space, lines)
     verdict = "holds" if certificate.holds else "IS BROKEN"
     headline = f"{scene.name}: {count(len(scene.agents), 'agent')}, the certificate {verdict}."
-    status = (report or {}).get("status")
-    if isinstance(status, str):
-        headline = f"{scene.name}: planning ended as '{status}'; the certificate {verdict}."
+    report = report or RecordedReport()
+    if report.status is not None:
+        headline = f"{scene.name}: planning ended as '{report.status}'; the certificate {verdict}."
     sections = []
     if certificate.violations:
         lead = f"{count(len(certificate.violations), 'promise')} of the scene not kept:"
         facts = [*map(Fact, certificate.violations)]
         sections.append(Section("violations", "Broken promises", lead, facts))
-    advice = (report or {}).get("advice")
-    if isinstance(advice, str) and advice:
-        sections.append(Section("advice", "Advice", advice[0].upper() + advice[1:] + "."))
+    if report.advice:
+        sections.append(
+            Section("advice", "Advice", report.advice[0].upper() + report.advice[1:] + ".")
+        )
     if certificate.pairs or certificate.walls or certificate.holds:
         crowd = Crowd.of_problem(problem, _in_scene_order(problem, lines))
         sections += curve_sections(crowd, certificate, ways_alone(problem))

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
 
-from stplan.errors import UsageError
-from stplan.files.json_file import read_json
+from stplan.files.recorded import RecordedReport
 
 
 @dataclass(frozen=True)
@@ -41,41 +39,8 @@ def _shown(value: object) -> str:
     return f"{value:.6g} m" if isinstance(value, float) else str(value)
 
 
-@dataclass(frozen=True)
-class Verdict:
-    """What a report.json says of a run.
-
-    Attributes:
-        status: how planning ended.
-        holds: whether the certificate does.
-        clearances: least clearance (m) of everything demanded, by whom it concerns: two agents,
-            or one and the walls.
-    """
-
-    status: str
-    holds: bool
-    clearances: Mapping[tuple[str, ...], float]
-
-
-def read_verdict(path: Path) -> Verdict:
-    """The verdict of a report.json; raises UsageError where it holds none."""
-    report = read_json(path)
-    certificate = report.get("certificate")
-    try:
-        if not isinstance(certificate, dict) or not isinstance(certificate["holds"], bool):
-            raise TypeError
-        clearances = {
-            tuple(map(str, row[:agents])): float(row[agents])
-            for table, agents in (("pairs", 2), ("walls", 1))
-            for row in certificate[table]["rows"]
-        }
-    except (KeyError, IndexError, TypeError, ValueError) as error:
-        raise UsageError(f"{path}: certificate: expected what stplan solve writes") from error
-    return Verdict(str(report.get("status")), certificate["holds"], clearances)
-
-
 def compare_verdicts(
-    a: Verdict, b: Verdict, moved: Mapping[str, float], atol: float, rtol: float
+    a: RecordedReport, b: RecordedReport, moved: Mapping[str, float], atol: float, rtol: float
 ) -> tuple[Change, ...]:
     """What changed from `a` to `b`.
 

@@ -10,8 +10,8 @@ from typing import Any
 
 from stplan.errors import UsageError
 from stplan.files.compare import Difference, compare_trajectories
-from stplan.files.compare_reports import Change, compare_verdicts, read_verdict
-from stplan.files.run_folder import REPORT
+from stplan.files.compare_reports import Change, compare_verdicts
+from stplan.files.recorded import REPORT, RecordedReport, read_report
 from stplan.files.trajectories import TRAJECTORIES, read_trajectories
 
 
@@ -141,6 +141,14 @@ def _runs_below(folder: Path) -> Mapping[str, Path]:
     return dict(sorted(found.items()))
 
 
+def _certified(path: Path) -> RecordedReport:
+    """The report at `path`; raises UsageError where it holds no certificate."""
+    report = read_report(path)
+    if report.holds is None:
+        raise UsageError(f"{path}: certificate: expected what stplan solve writes")
+    return report
+
+
 def _compare_run(run: str, a: Path, b: Path, atol: float, rtol: float) -> RunDifference:
     difference = compare_trajectories(read_trajectories(a), read_trajectories(b), atol, rtol)
     reports = [path / REPORT for path in (a, b)]
@@ -151,5 +159,5 @@ def _compare_run(run: str, a: Path, b: Path, atol: float, rtol: float) -> RunDif
         for agent in difference.agents
         if agent.simultaneous is not None
     }
-    first, second = map(read_verdict, reports)
+    first, second = map(_certified, reports)
     return RunDifference(run, difference, compare_verdicts(first, second, moved, atol, rtol))

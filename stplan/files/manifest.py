@@ -1,7 +1,7 @@
-"""The seal of a run's folder: digests of all its files, in run.json, which is written last.
+"""The manifest of a run's folder: digests of all its files, in run.json, which is written last.
 
-A set of files is renamed one by one, so a process killed among the renames leaves files of two
-runs side by side. The seal tells: it fits only the files it was made for.
+A set of files is renamed one by one, so a process killed among the renames leaves files of two runs side
+by side. The manifest tells: it fits only the files it was made for.
 """
 
 from __future__ import annotations
@@ -12,17 +12,18 @@ from pathlib import Path
 
 from stplan.errors import UsageError
 from stplan.files.json_file import read_json
+from stplan.files.recorded import RUN_RECORD
 
-RUN_RECORD = "run.json"
+# Where it stands in run.json.
 KEY = "sha256"
 
 
-def seal(contents: Mapping[str, bytes]) -> dict[str, str]:
+def manifest(contents: Mapping[str, bytes]) -> dict[str, str]:
     """The SHA-256 of every file, by name."""
     return {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()}
 
 
-def broken_seal(folder: Path) -> str:
+def why_incomplete(folder: Path) -> str:
     """Why the files in `folder` are not the whole of one run; empty where they are."""
     try:
         record = read_json(folder / RUN_RECORD)
@@ -32,7 +33,7 @@ def broken_seal(folder: Path) -> str:
     if not isinstance(digests, dict) or not digests:
         return f"{RUN_RECORD} holds no digests of the other files"
     for name, digest in digests.items():
-        # Only names that a run gives: a seal is no licence to read elsewhere.
+        # Only names that a run gives: a manifest is no licence to read elsewhere.
         if Path(name).name != name:
             return f"{RUN_RECORD} names {name!r}, which is not a file of a run"
         try:

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from stplan.errors import UsageError
-from stplan.files.json_file import read_json
-
-REPORT = "report.json"
+from stplan.files.recorded import REPORT, read_report
 
 
 @dataclass(frozen=True)
@@ -40,26 +37,16 @@ def recorded_scene(folder: Path, command: str = "check") -> RecordedScene:
             f"{folder}: holds no {REPORT}, so its scene is unknown; "
             f"name the scene and the trajectories instead: stplan {command} SCENE TRAJECTORIES"
         )
-    scene = read_json(report).get("scene")
-    source = scene.get("source") if isinstance(scene, dict) else None
-    if not isinstance(scene, dict) or not isinstance(source, str):
+    recorded = read_report(report)
+    if recorded.source is None:
         raise UsageError(
             f"{report}: names no scene file; name it yourself: stplan {command} SCENE TRAJECTORIES"
         )
-    overrides = scene.get("overrides", [])
-    if not isinstance(overrides, list) or not all(isinstance(item, str) for item in overrides):
-        raise UsageError(f"{report}: scene.overrides: expected a list of KEY=VALUE")
-    content_hash = scene.get("hash")
     return RecordedScene(
-        _find(Path(source), folder, report, command),
-        tuple(overrides),
-        content_hash if isinstance(content_hash, str) else None,
+        _find(Path(recorded.source), folder, report, command),
+        recorded.overrides,
+        recorded.content_hash,
     )
-
-
-def report_of(folder: Path) -> dict[str, Any]:
-    """What the report.json of the run in `folder` holds; raises UsageError where there is none."""
-    return read_json(folder / REPORT)
 
 
 def _find(source: Path, folder: Path, report: Path, command: str) -> Path:

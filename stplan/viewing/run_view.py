@@ -16,7 +16,8 @@ from stplan.analysis.crowd import Crowd
 from stplan.arrays import FloatArray
 from stplan.errors import SceneError, UsageError
 from stplan.files.npz_file import read_npz
-from stplan.files.run_folder import REPORT, recorded_scene
+from stplan.files.recorded import REPORT
+from stplan.files.run_folder import recorded_scene
 from stplan.files.trajectories import read_trajectories
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.presence import present_until

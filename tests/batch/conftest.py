@@ -16,7 +16,7 @@ from typing import Any
 
 import pytest
 
-from stplan.files.manifest import broken_seal
+from stplan.files.manifest import why_incomplete
 from tests.cli.conftest import run
 
 __all__ = ["run"]
@@ -132,14 +132,14 @@ def _timeless_json(content: bytes) -> bytes:
     return json.dumps(whole).encode()
 
 
-def _seal_only(content: bytes) -> bytes:
+def _manifest_only(content: bytes) -> bytes:
     return json.dumps(json.loads(content)["sha256"]).encode()
 
 
 _TIMELESS: dict[str, Callable[[bytes], bytes]] = {
     "batch.csv": _timeless_csv,
     "batch.json": _timeless_json,
-    "run.json": _seal_only,
+    "run.json": _manifest_only,
 }
 
 
@@ -149,5 +149,5 @@ def assert_nothing_torn(folder: Path) -> None:
         if path.is_dir():
             names = {file.name for file in path.iterdir()}
             assert names == RUN_FILES or not names, (path, names)
-            assert not names or broken_seal(path) == ""
+            assert not names or why_incomplete(path) == ""
     assert not list(folder.glob(".*.tmp"))

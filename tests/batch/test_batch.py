@@ -82,7 +82,7 @@ def test_another_version_and_force_plan_again(golden, place):
     report = results / "two/report.json"
     whole = report.read_text()
     report.write_text(whole.replace('"stplan": "', '"stplan": "9'))
-    # With a seal that fits: it is not for a damaged file that the run is planned again.
+    # With a manifest that fits: it is not for a damaged file that the run is planned again.
     record = results / "two/run.json"
     digests = [hashlib.sha256(text.encode()).hexdigest() for text in (whole, report.read_text())]
     record.write_text(record.read_text().replace(*digests))

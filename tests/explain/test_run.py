@@ -7,6 +7,7 @@ import json
 from stplan.explain.explanation import FEW
 from stplan.explain.run import explain_run
 from stplan.files.json_file import json_bytes
+from stplan.files.recorded import RecordedReport
 from stplan.problem.world_lines import WorldLines
 from tests.analysis.crowds import ANN, EVE, SAM, lines_of, scene_of
 
@@ -19,7 +20,7 @@ def test_a_run_whatever_the_order_of_its_agents():
     assert certificate.holds
     assert explain_run(scene, turned)[0] == explanation
     assert explanation.headline == "small: 3 agents, the certificate holds."
-    report = {"status": "limit", "advice": "raise solver.max_iterations to go on"}
+    report = RecordedReport("limit", "raise solver.max_iterations to go on")
     text = "\n".join(explain_run(scene, lines, report)[0].lines())
     assert text.startswith("small: planning ended as 'limit'; the certificate holds.\n")
     assert "Raise solver.max_iterations to go on." in text

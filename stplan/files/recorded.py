@@ -1,0 +1,154 @@
+"""What report.json and run.json say of a run, read back: the one reader of both for all commands.
+
+What a file leaves out is None or empty, because runs of other versions are read too; what is there in
+another form is an error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from stplan.errors import UsageError
+from stplan.files.json_file import read_json
+
+REPORT = "report.json"
+RUN_RECORD = "run.json"
+
+# Columns of the tables in a certificate, where it does not name them itself.
+_COLUMNS = {
+    "pairs": ("a", "b", "clearance", "time", "x", "y"),
+    "walls": ("agent", "clearance", "time", "x", "y"),
+}
+
+
+@dataclass(frozen=True)
+class RecordedReport:
+    """A report.json, as far as commands ask it.
+
+    Attributes:
+        source, content_hash, overrides: of the scene.
+        holds: whether the certificate does.
+        clearances: least clearance (m) of everything demanded, by whom it concerns: two agents, or
+            one and the walls.
+        latest_arrival: s.
+        costs: of every term at the end.
+        iterations: of all outer iterations together.
+    """
+
+    status: str | None = None
+    advice: str = ""
+    source: str | None = None
+    content_hash: str | None = None
+    overrides: tuple[str, ...] = ()
+    versions: Mapping[str, str] = field(default_factory=dict)
+    holds: bool | None = None
+    clearances: Mapping[tuple[str, ...], float] = field(default_factory=dict)
+    latest_arrival: float | None = None
+    kinetic_over_straight: float | None = None
+    costs: Mapping[str, float] = field(default_factory=dict)
+    iterations: int | None = None
+
+    @property
+    def smallest_clearance(self) -> float | None:
+        """The smallest of all demanded clearances, m; None where nothing interacts."""
+        return min(self.clearances.values(), default=None)
+
+
+@dataclass(frozen=True)
+class RecordedTimes:
+    """A run.json: when planning began, and the seconds of its stages and in total."""
+
+    started: datetime | None = None
+    seconds: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def total(self) -> float | None:
+        """Seconds of planning."""
+        return self.seconds.get("total")
+
+
+def read_report(path: Path) -> RecordedReport:
+    """Read a report.json.
+
+    Raises:
+        UsageError: it cannot be read, or is not what `stplan solve` writes.
+    """
+    return parse_report(read_json(path), path)
+
+
+def read_times(path: Path) -> RecordedTimes:
+    """Read a run.json. Raises like `read_report`."""
+    return parse_times(read_json(path), path)
+
+
+def parse_report(content: Mapping[str, Any], path: Path) -> RecordedReport:
+    """What the `content` of a report.json says; `path` heads what is wrong with it."""
+    with _reading(path, "scene"):
+        scene = content.get("scene") or {}
+        source, content_hash = scene.get("source"), scene.get("hash")
+        overrides = scene.get("overrides", [])
+    if not isinstance(overrides, list) or not all(isinstance(item, str) for item in overrides):
+        raise UsageError(f"{path}: scene.overrides: expected a list of KEY=VALUE")
+    with _reading(path, "certificate"):
+        certificate = content.get("certificate")
+        holds = None if certificate is None else _flag(certificate["holds"])
+        clearances = {} if certificate is None else _clearances(certificate)
+    with _reading(path, "metrics"):
+        metrics = content.get("metrics") or {}
+        arrival, kinetic = metrics.get("latest_arrival"), metrics.get("kinetic_over_straight")
+    with _reading(path, "outer_iterations"):
+        loops = content.get("outer_iterations")
+        iterations = None if loops is None else sum(int(loop["iterations"]) for loop in loops)
+    return RecordedReport(
+        status=content.get("status"),
+        advice=content.get("advice") or "",
+        source=source if isinstance(source, str) else None,
+        content_hash=content_hash if isinstance(content_hash, str) else None,
+        overrides=tuple(overrides),
+        versions=content.get("versions") or {},
+        holds=holds,
+        clearances=clearances,
+        latest_arrival=arrival,
+        kinetic_over_straight=kinetic,
+        costs=content.get("costs") or {},
+        iterations=iterations,
+    )
+
+
+def parse_times(content: Mapping[str, Any], path: Path) -> RecordedTimes:
+    """What the `content` of a run.json says; `path` heads what is wrong with it."""
+    with _reading(path, "started"):
+        started = content.get("started")
+        began = None if started is None else datetime.fromisoformat(started)
+    with _reading(path, "seconds"):
+        return RecordedTimes(began, {**(content.get("seconds") or {})})
+
+
+def _clearances(certificate: Mapping[str, Any]) -> dict[tuple[str, ...], float]:
+    """By name of the column, wherever it stands."""
+    found = {}
+    for table, usual in _COLUMNS.items():
+        columns = certificate[table].get("columns", usual)
+        at = columns.index("clearance")
+        for row in certificate[table]["rows"]:
+            found[tuple(map(str, row[:at]))] = float(row[at])
+    return found
+
+
+def _flag(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise TypeError
+    return value
+
+
+@contextmanager
+def _reading(path: Path, section: str) -> Iterator[None]:
+    try:
+        yield
+    except (AttributeError, KeyError, IndexError, TypeError, ValueError) as error:
+        raise UsageError(f"{path}: {section}: expected what stplan solve writes") from error
