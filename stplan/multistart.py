@@ -12,9 +12,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from stplan.analysis.metrics import kinetic_energy, turning
+from stplan.analysis.metrics import turning
 from stplan.certify.pair_clearance import nearest_moments
 from stplan.errors import SeedingError
+from stplan.problem.kinetic import kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
@@ -57,7 +58,7 @@ def own_cost(scene: Scene, lines: WorldLines) -> float:
     total = 0.0
     for agent, curve in zip(scene.agents, lines.curves(), strict=True):
         weights = agent.weights
-        total += weights.kinetic * kinetic_energy(agent, curve)
+        total += weights.kinetic * kinetic_cost(agent.mass, curve)
         if weights.acceleration:
             total += weights.acceleration * turning(curve, scene.time_scale)
         if agent.preferred_time is not None:

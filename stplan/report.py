@@ -40,12 +40,12 @@ def report(
         },
         "versions": versions(),
         "certificate": certificate.as_dict(),
-        "metrics": metrics(scene, lines),
+        "metrics": metrics(scene, lines).as_dict(),
         "seed": {
             "found_by": seed.found_by,
             "record": seed.record.as_dict(),
             "smallest_clearance": None if tightest is None else tightest.clearance,
-            "metrics": metrics(scene, seed.world_lines),
+            "metrics": metrics(scene, seed.world_lines).as_dict(),
         },
     }
 

@@ -2,26 +2,56 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
+from stplan.analysis.paths import segment_lengths
 from stplan.arrays import FloatArray
+from stplan.problem.kinetic import kinetic_cost, least_kinetic_cost
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Agent, Scene
 
 
-def kinetic_energy(agent: Agent, curve: FloatArray) -> float:
-    """sum 1/2 m |dx|^2 / dt of a curve (n + 1, 3), in J s."""
-    step = np.diff(curve, axis=0)
-    return float((0.5 * agent.mass * (step[:, :2] ** 2).sum(axis=1) / step[:, 2]).sum())
+@dataclass(frozen=True)
+class AgentMetrics:
+    """Figures of one agent: s, m, m/s, J s, and square radians."""
+
+    agent: str
+    arrival_time: float
+    path_length: float
+    greatest_speed: float
+    kinetic_energy: float
+    turning: float
+
+
+@dataclass(frozen=True)
+class Metrics:
+    """Figures of a whole plan.
+
+    Attributes:
+        kinetic_over_straight: kinetic cost of all that find their way over its least, with their
+            weights; None where that is 0.
+        turning: of all agents together, in square radians.
+        latest_arrival: s.
+        agents: in scene order.
+    """
+
+    kinetic_over_straight: float | None
+    turning: float
+    latest_arrival: float
+    agents: tuple[AgentMetrics, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """For the report."""
+        return asdict(self)
 
 
 def straight_bound(agent: Agent) -> float:
-    """Least kinetic energy of an agent alone in the open plane: straight (by waypoints), in J s."""
+    """Least kinetic cost of an agent alone in the open plane: straight (by waypoints), in J s."""
     stops = np.array([agent.start, *agent.waypoints, agent.goal])
-    length = float(np.hypot(*np.diff(stops, axis=0).T).sum())
-    return 0.5 * agent.mass * length**2 / (agent.max_time - agent.start_time)
+    return least_kinetic_cost(agent.mass, stops, agent.max_time - agent.start_time)
 
 
 def turning(curve: FloatArray, time_scale: float) -> float:
@@ -32,30 +62,29 @@ def turning(curve: FloatArray, time_scale: float) -> float:
     return float(0.5 * (np.arctan2(sine, (u * v).sum(axis=1)) ** 2).sum())
 
 
-def metrics(scene: Scene, lines: WorldLines) -> dict[str, Any]:
-    """Figures of the whole plan and of every agent, for the report."""
-    rows: list[dict[str, Any]] = []
+def metrics(scene: Scene, lines: WorldLines) -> Metrics:
+    """Figures of `lines` in scene order."""
+    agents = []
     energy = bound = 0.0
     for agent, curve in zip(scene.agents, lines.curves(), strict=True):
-        step = np.diff(curve, axis=0)
-        lengths = np.hypot(step[:, 0], step[:, 1])
-        own = kinetic_energy(agent, curve)
+        lengths = segment_lengths(curve)
+        own = kinetic_cost(agent.mass, curve)
         if agent.path is None:
             energy += agent.weights.kinetic * own
             bound += agent.weights.kinetic * straight_bound(agent)
-        rows.append(
-            {
-                "agent": agent.id,
-                "arrival_time": float(curve[-1, 2]),
-                "path_length": float(lengths.sum()),
-                "greatest_speed": float((lengths / step[:, 2]).max()),
-                "kinetic_energy": own,
-                "turning": turning(curve, scene.time_scale),
-            }
+        agents.append(
+            AgentMetrics(
+                agent=agent.id,
+                arrival_time=float(curve[-1, 2]),
+                path_length=float(lengths.sum()),
+                greatest_speed=float((lengths / np.diff(curve[:, 2])).max()),
+                kinetic_energy=own,
+                turning=turning(curve, scene.time_scale),
+            )
         )
-    return {
-        "kinetic_over_straight": energy / bound if bound > 0 else None,
-        "turning": float(sum(row["turning"] for row in rows)),
-        "latest_arrival": max(row["arrival_time"] for row in rows),
-        "agents": rows,
-    }
+    return Metrics(
+        kinetic_over_straight=energy / bound if bound > 0 else None,
+        turning=float(sum(one.turning for one in agents)),
+        latest_arrival=max(one.arrival_time for one in agents),
+        agents=tuple(agents),
+    )

@@ -17,7 +17,7 @@ import numpy as np
 from stplan.arrays import FloatArray
 from stplan.bench.makespan import fastest
 from stplan.bench.rivals import casadi_grid, jupedsim_model, ompl_joint, rvo2
-from stplan.bench.rivals.motion import Motion, Task
+from stplan.bench.rivals.task import Motion, Task
 from stplan.certify.pair_clearance import nearest_moments
 from stplan.certify.wall_clearance import wall_distance
 from stplan.errors import UsageError
@@ -42,7 +42,7 @@ RIVALS: tuple[tuple[str, str, Callable[[Task], Motion]], ...] = (
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Performance:
     """What one planner makes of one scene, nan where it made nothing of it.
 
     Attributes:
@@ -69,7 +69,7 @@ class Outcome:
 
 def compare_planners(
     folder: Path, names: Sequence[str], *, progress: Callable[[str], None]
-) -> list[Outcome]:
+) -> list[Performance]:
     """Ours first, then every rival, scene by scene; rivals that are not installed are left out.
 
     Raises:
@@ -78,7 +78,7 @@ def compare_planners(
     unknown = [name for name in names if name not in NAMES]
     if unknown:
         raise UsageError(f"there is no scene {unknown[0]!r}; expected one of {', '.join(NAMES)}")
-    found: list[Outcome] = []
+    found: list[Performance] = []
     for name in names or NAMES:
         path = folder / f"{name}.yaml"
         if not path.is_file():
@@ -100,12 +100,12 @@ def installed() -> list[str]:
     return [planner for planner, package, _ in RIVALS if find_spec(package)]
 
 
-def our_outcome(scene: Scene, name: str, *, progress: Callable[[str], None]) -> Outcome:
+def our_outcome(scene: Scene, name: str, *, progress: Callable[[str], None]) -> Performance:
     """The certified plan of the least makespan."""
-    blank = Outcome(name, OURS, len(scene.agents))
+    blank = Performance(name, OURS, len(scene.agents))
     best = fastest(scene, progress=progress)
     if best is None or best.plan.trajectories is None:
-        return Outcome(name, OURS, len(scene.agents), note="no plan")
+        return Performance(name, OURS, len(scene.agents), note="no plan")
     everyone = np.ones(blank.agents, dtype=bool)
     motion = Motion(list(best.plan.trajectories.curves()), everyone, rests=True)
     planned = best.plan.run["seconds"]["total"]
@@ -113,9 +113,11 @@ def our_outcome(scene: Scene, name: str, *, progress: Callable[[str], None]) -> 
     return measured(blank, scene, build_free_space(scene), motion, best.seconds, note)
 
 
-def rival_outcome(task: Task, name: str, planner: str, drive: Callable[[Task], Motion]) -> Outcome:
+def rival_outcome(
+    task: Task, name: str, planner: str, drive: Callable[[Task], Motion]
+) -> Performance:
     """One rival on one scene."""
-    blank = Outcome(name, planner, len(task.scene.agents))
+    blank = Performance(name, planner, len(task.scene.agents))
     began = time.perf_counter()
     motion = drive(task)
     seconds = time.perf_counter() - began
@@ -139,18 +141,18 @@ def build_task(scene: Scene) -> Task:
 
 
 def measured(
-    blank: Outcome,
+    blank: Performance,
     scene: Scene,
     free_space: FreeSpace | None,
     motion: Motion,
     seconds: float,
     note: str,
-) -> Outcome:
+) -> Performance:
     """The figures of a motion; agents count until the end of their curves."""
     if not motion.curves:
-        return Outcome(blank.scene, blank.planner, blank.agents, seconds=seconds, note=note)
+        return Performance(blank.scene, blank.planner, blank.agents, seconds=seconds, note=note)
     latest = max(float(curve[-1, 2]) for curve in motion.curves)
-    return Outcome(
+    return Performance(
         blank.scene,
         blank.planner,
         blank.agents,

@@ -7,7 +7,7 @@ from dataclasses import asdict
 
 import numpy as np
 
-from stplan.bench.comparison import OURS, RIVALS, Outcome
+from stplan.bench.comparison import OURS, RIVALS, Performance
 from stplan.bench.csv_table import csv_table
 from stplan.bench.markdown import number, table
 
@@ -51,12 +51,12 @@ TITLES = {
 }
 
 
-def csv_text(outcomes: Sequence[Outcome]) -> str:
+def csv_text(outcomes: Sequence[Performance]) -> str:
     """One row a scene and planner."""
     return csv_table([asdict(one) for one in outcomes])
 
 
-def markdown_text(outcomes: Sequence[Outcome]) -> str:
+def markdown_text(outcomes: Sequence[Performance]) -> str:
     """The whole page."""
     parts = [INTRODUCTION]
     for scene in dict.fromkeys(one.scene for one in outcomes):
@@ -71,7 +71,7 @@ def markdown_text(outcomes: Sequence[Outcome]) -> str:
     return "\n".join(parts)
 
 
-def _row(one: Outcome) -> tuple[str, ...]:
+def _row(one: Performance) -> tuple[str, ...]:
     name = f"**{one.planner}**" if one.planner == OURS else one.planner
     return (
         name,

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.bench.runs import warm_up, with_solver
+from stplan.bench.solves import warm_up, with_solver
 from stplan.certify.certificate import certify
 from stplan.costs.term import Term
 from stplan.errors import SeedingError, UsageError
@@ -62,7 +62,7 @@ class Trace:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Convergence:
     """A variant on a scene: iterations and seconds to stay near the best cost, nan if it never did.
 
     Attributes:
@@ -119,13 +119,13 @@ def chosen_variants(names: Sequence[str]) -> list[str]:
 
 def measure(
     paths: Sequence[Path], time_limit: float, variants: Sequence[str], *, progress: Progress
-) -> list[Outcome]:
+) -> list[Convergence]:
     """Every variant on every scene, after untimed scenes that need every kernel."""
     scenes = [load_scene(path) for path in paths]
     progress("convergence: warm-up")
     for variant in variants:
         warm_up(**VARIANTS[variant], outer_iterations=1, max_iterations=2)
-    found: list[Outcome] = []
+    found: list[Convergence] = []
     for scene in scenes:
         problem = prepare(scene)
         try:
@@ -175,14 +175,14 @@ def trace(problem: PlanningProblem, seed: WorldLines, variant: str, time_limit: 
     )
 
 
-def outcomes(traces: Sequence[Trace]) -> list[Outcome]:
+def outcomes(traces: Sequence[Trace]) -> list[Convergence]:
     """The traces of one scene, each judged by the best cost of all."""
     best = min((one.costs[-1] for one in traces if one.certified), default=np.nan)
     found = []
     for one in traces:
         near = [_settled(one.costs, best * (1.0 + share)) for share in NEAR]
         found.append(
-            Outcome(
+            Convergence(
                 one.scene,
                 one.variant,
                 one.status,

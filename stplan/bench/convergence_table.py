@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stplan.bench.convergence import NEAR, Outcome
+from stplan.bench.convergence import NEAR, Convergence
 from stplan.bench.csv_table import csv_table
 from stplan.bench.markdown import number, table
 from stplan.bench.plots import profile_figure
@@ -26,7 +26,7 @@ _HEAD = (
 )
 
 
-def files(outcomes: Sequence[Outcome]) -> dict[str, bytes]:
+def files(outcomes: Sequence[Convergence]) -> dict[str, bytes]:
     """Names and contents of the files of the measurement."""
     return {
         "convergence.csv": csv_text(outcomes).encode(),
@@ -35,7 +35,7 @@ def files(outcomes: Sequence[Outcome]) -> dict[str, bytes]:
     }
 
 
-def csv_text(outcomes: Sequence[Outcome]) -> str:
+def csv_text(outcomes: Sequence[Convergence]) -> str:
     """One row a scene and variant."""
     return csv_table(
         [
@@ -56,7 +56,7 @@ def csv_text(outcomes: Sequence[Outcome]) -> str:
     )
 
 
-def markdown_text(outcomes: Sequence[Outcome]) -> str:
+def markdown_text(outcomes: Sequence[Convergence]) -> str:
     """One row a variant: medians over all its scenes, a dash where it came near on less than half."""
     rows = [
         _cells(variant, [one for one in outcomes if one.variant == variant])
@@ -65,7 +65,7 @@ def markdown_text(outcomes: Sequence[Outcome]) -> str:
     return table(_HEAD, rows)
 
 
-def _cells(variant: str, ones: Sequence[Outcome]) -> tuple[str, ...]:
+def _cells(variant: str, ones: Sequence[Convergence]) -> tuple[str, ...]:
     cells = [variant, str(len(ones)), str(sum(one.failed for one in ones))]
     for level in range(len(NEAR)):
         near = [one for one in ones if not np.isnan(one.iterations_near[level])]
@@ -85,7 +85,7 @@ def _median(values: Sequence[float]) -> float:
     return middle if np.isfinite(middle) else np.nan
 
 
-def picture(outcomes: Sequence[Outcome]) -> bytes:
+def picture(outcomes: Sequence[Convergence]) -> bytes:
     """PNG: the share of scenes near the best cost over iterations, a line a variant."""
     profiles = {
         variant: [one.iterations_near[0] for one in outcomes if one.variant == variant]

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.problem.kinetic import least_kinetic_cost
 from stplan.scene.model import Agent, Scene, SeedingSettings, SolverSettings, Weights
 
 
@@ -129,21 +130,9 @@ def heavy_lanes(rng: np.random.Generator, count: int, heavy: int = 2) -> Scene:
     )
 
 
-def straight_energy(scene: Scene) -> float:
-    """Kinetic cost of walking straight at constant speed (J)."""
+def straight_kinetic_cost(scene: Scene) -> float:
+    """Kinetic cost of walking straight at constant speed, J s."""
     return sum(
-        0.5
-        * one.mass
-        * ((one.goal[0] - one.start[0]) ** 2 + (one.goal[1] - one.start[1]) ** 2)
-        / (one.max_time - one.start_time)
+        least_kinetic_cost(one.mass, np.array([one.start, one.goal]), one.max_time - one.start_time)
         for one in scene.agents
     )
-
-
-def energy(scene: Scene, curves: Sequence[FloatArray]) -> float:
-    """Kinetic cost of `curves` (J)."""
-    total = 0.0
-    for one, curve in zip(scene.agents, curves, strict=True):
-        step = np.diff(curve, axis=0)
-        total += 0.5 * one.mass * float(((step[:, :2] ** 2).sum(axis=1) / step[:, 2]).sum())
-    return total

@@ -16,11 +16,12 @@ import numpy as np
 
 from stplan.bench import families_open as wide
 from stplan.bench import families_tight as tight
-from stplan.bench.runs import Run, in_own_process, run, warm_up, with_solver
+from stplan.bench.solves import SolveFigures, in_own_process, run, warm_up, with_solver
 from stplan.errors import UsageError
 from stplan.multistart import straight_conflicts
 from stplan.optimize.continuation import optimise
 from stplan.planner import Plan, prepare
+from stplan.problem.kinetic import total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
@@ -69,7 +70,7 @@ class Figure:
 
     name: str
     title: str
-    run: Run
+    run: SolveFigures
     conflicts: int | None
     over_converged: float = np.nan
     converged_seconds: float = np.nan
@@ -244,7 +245,7 @@ def _cost_after(problem: PlanningProblem, seed: WorldLines, seconds: float) -> t
         stop=lambda: time.perf_counter() - started > seconds,
     )
     took = time.perf_counter() - started
-    return wide.energy(problem.scene, list(outcome.world_lines.curves())), took
+    return total_kinetic_cost(problem.masses, outcome.world_lines.curves()), took
 
 
 def outcome(figure: Figure) -> str:

@@ -17,7 +17,7 @@ import numpy as np
 from stplan.analysis.metrics import metrics
 from stplan.arrays import FloatArray
 from stplan.bench import families_open as wide
-from stplan.bench.runs import run, warm_up
+from stplan.bench.solves import run, warm_up
 from stplan.certify.certificate import Certificate, certify
 from stplan.errors import UsageError
 from stplan.problem.world_lines import WorldLines
@@ -147,7 +147,7 @@ def attempt(scene: Scene, padding: float, time_limit: float) -> Attempt:
         seconds,
         int(stats["iter_count"]),
         str(stats["return_status"]),
-        metrics(scene, lines)["kinetic_over_straight"],
+        metrics(scene, lines).kinetic_over_straight or np.nan,
         np.inf if smallest is None else smallest.clearance,
         certificate.holds,
     )

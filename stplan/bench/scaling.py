@@ -13,7 +13,7 @@ import numpy as np
 
 from stplan.bench import families_open as wide
 from stplan.bench.families_maze import maze
-from stplan.bench.runs import Run, run, warm_up, with_solver
+from stplan.bench.solves import SolveFigures, run, warm_up, with_solver
 from stplan.scene.model import Scene
 from stplan.world import build_free_space
 
@@ -57,7 +57,7 @@ class Point:
     size: int
     draw: int
     measured: int
-    run: Run
+    run: SolveFigures
 
     def part(self, name: str) -> float:
         """Milliseconds of a part of an iteration, or nonzeros."""

@@ -21,6 +21,7 @@ from stplan.bench import families_open as wide
 from stplan.bench import families_tight as tight
 from stplan.certify.certificate import certify
 from stplan.errors import SeedingError, UsageError
+from stplan.problem.kinetic import total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import find_seed
@@ -228,8 +229,8 @@ def measure_one(
     if not certificate.holds:
         return replace(failed, reason=certificate.violations[0])
     curves = [seed.world_lines.curve(agent) for agent in range(len(scene.agents))]
-    straight = wide.straight_energy(scene)
-    ratio = wide.energy(scene, curves) / straight if straight > 0 else np.nan
+    straight = wide.straight_kinetic_cost(scene)
+    ratio = total_kinetic_cost(problem.masses, curves) / straight if straight > 0 else np.nan
     return replace(
         failed,
         success=True,

@@ -11,10 +11,10 @@ import pytest
 
 from stplan import load_scene
 from stplan.bench import comparison
-from stplan.bench.comparison import Outcome
+from stplan.bench.comparison import Performance
 from stplan.bench.comparison_table import csv_text, markdown_text
 from stplan.bench.makespan import fastest, shortest_time
-from stplan.bench.rivals.motion import Motion, Task
+from stplan.bench.rivals.task import Motion, Task
 from stplan.errors import UsageError
 from stplan.scene import parse_scene
 from stplan.world import build_free_space, check_scene_in_world
@@ -57,7 +57,7 @@ def test_agents_of_different_limits_are_refused():
 
 def test_motions_are_measured_exactly():
     scene = parse_scene(CROSSING)
-    blank = Outcome("x", "y", 2)
+    blank = Performance("x", "y", 2)
     one = comparison.measured(blank, scene, None, Motion(STRAIGHT, np.array([True, True])), 1.0, "")
     assert one.arrived == 2
     assert one.makespan == 10.0
@@ -115,8 +115,8 @@ def test_unknown_scenes_and_folders_are_refused(tmp_path):
 
 
 def test_the_page_names_who_arrived_and_who_was_not_run():
-    ours = Outcome("gap", comparison.OURS, 6, 6, 8.25, 50.5, 2.75, 0.0004, 12.0, "certified")
-    rival = Outcome("gap", comparison.RIVALS[0][0], 6, 3, seconds=1.0)
+    ours = Performance("gap", comparison.OURS, 6, 6, 8.25, 50.5, 2.75, 0.0004, 12.0, "certified")
+    rival = Performance("gap", comparison.RIVALS[0][0], 6, 3, seconds=1.0)
     page = markdown_text([ours, rival])
     assert "| **stplan** " in page
     assert "6 of 6" in page

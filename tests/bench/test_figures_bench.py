@@ -10,13 +10,13 @@ import pytest
 
 from stplan.bench import figures
 from stplan.bench.figures_table import asked_table, csv_text, markdown_text
-from stplan.bench.runs import Run
+from stplan.bench.solves import SolveFigures
 from stplan.cli.app import main
 from stplan.errors import UsageError
 from stplan.world import build_free_space, check_scene_in_world
 
 CASES = {case.name: case for case in figures.cases()}
-GOOD = Run(
+GOOD = SolveFigures(
     agents=8, knots=248, found_by="relaxation", status="converged", certified=True,
     seed_seconds=0.1, optimise_seconds=0.5, total_seconds=0.75, iterations=25,
     evaluation_share=0.125, kinetic_seed=1.01, kinetic_end=1.0025, clearance=0.01, peak_mib=200.0,
@@ -66,7 +66,7 @@ def test_a_tight_scene_is_held_to_its_converged_cost():
 
 
 def test_a_scene_without_a_plan_reaches_nothing():
-    failed = figure("circle-8", Run(8, status="failed: too tight", total_seconds=1.0))
+    failed = figure("circle-8", SolveFigures(8, status="failed: too tight", total_seconds=1.0))
     assert figures.outcome(failed) == "failed: too tight"
     text = markdown_text([CASES["circle-8"]], [failed])
     assert "nan" not in text

@@ -11,8 +11,8 @@ import shapely
 
 from stplan.bench import plots, scaling
 from stplan.bench.families_maze import maze, maze_floor
-from stplan.bench.runs import Run
 from stplan.bench.scaling_table import csv_text, markdown_text, picture
+from stplan.bench.solves import SolveFigures
 from stplan.cli.app import main
 from stplan.errors import UsageError
 from stplan.world import build_free_space, check_scene_in_world
@@ -22,7 +22,7 @@ AGENTS = scaling.SWEEPS["agents"]
 
 
 def point(size, seconds, share=0.25, **changes):
-    run = Run(
+    run = SolveFigures(
         size, status="converged", certified=True, optimise_seconds=10 * seconds, iterations=10,
         evaluation_share=share, hessian_nonzeros=100 * size,
     )  # fmt: skip
@@ -60,7 +60,7 @@ def test_exponents_are_fitted_to_the_medians_of_what_was_planned():
     points = [point(size, 1e-3 * size**1.25) for size in (8, 16, 32, 64)]
     points += [
         replace(points[1], draw=1),
-        replace(points[1], draw=2, run=Run(16, status="failed: x")),
+        replace(points[1], draw=2, run=SolveFigures(16, status="failed: x")),
     ]
     assert scaling.exponent(points, "iteration") == pytest.approx(1.25)
     assert scaling.exponent(points, "Hessian nonzeros") == pytest.approx(1.0)

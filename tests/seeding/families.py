@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from stplan.arrays import FloatArray
 from stplan.bench.families_open import (
     agent,
     circle,
     crossing_flows,
     crowd,
-    energy,
     lanes,
     open_field,
     scattered,
     scene,
-    straight_energy,
 )
+from stplan.bench.families_open import straight_kinetic_cost as straight_energy
+from stplan.problem.kinetic import total_kinetic_cost
+from stplan.scene.model import Scene
 
 __all__ = [
     "agent",
@@ -27,3 +31,8 @@ __all__ = [
     "scene",
     "straight_energy",
 ]
+
+
+def energy(scene: Scene, curves: Sequence[FloatArray]) -> float:
+    """Kinetic cost of `curves`, J s."""
+    return total_kinetic_cost([agent.mass for agent in scene.agents], curves)

@@ -10,9 +10,9 @@ import pytest
 import shapely
 import trimesh
 
+from stplan.analysis.paths import positions, segment_speeds
 from stplan.viewing.glb_file import glb_bytes
 from stplan.viewing.jupedsim_file import jupedsim_bytes
-from stplan.viewing.motion import positions, segment_speeds
 from stplan.viewing.palette import hex_colours
 from stplan.viewing.run_view import open_run
 from tests.viewing.runs import hall_run

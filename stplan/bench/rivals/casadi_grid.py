@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.bench.rivals.motion import Motion, Task, no_motion
+from stplan.bench.rivals.task import Motion, Task, no_motion
 
 PACKAGE = "casadi"
 NAME = "CasADi and Ipopt, straight lines first"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from stplan.bench.rivals.motion import Motion, Task
+from stplan.bench.rivals.task import Motion, Task
 
 PACKAGE = "jupedsim"
 NAME = "JuPedSim, collision-free speed"

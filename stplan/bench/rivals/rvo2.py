@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from stplan.arrays import FloatArray
-from stplan.bench.rivals.motion import Motion, Task, next_stop
+from stplan.bench.rivals.task import Motion, Task, next_stop
 
 PACKAGE = "pyrvo"
 NAME = "RVO2"

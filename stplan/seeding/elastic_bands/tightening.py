@@ -11,9 +11,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.problem.kinetic import total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.seeding.elastic_bands.relaxation import relax
-from stplan.seeding.shortcutting.shortcuts import kinetic_cost, polish
+from stplan.seeding.shortcutting.shortcuts import polish
 
 SMOOTHING_KNOTS = 60
 SMOOTHING_SWEEPS = 160
@@ -39,6 +40,7 @@ def smooth_curves(
         max_sweeps=SMOOTHING_SWEEPS,
         check=check,
     )
-    if result.solved and kinetic_cost(problem, result.curves) < kinetic_cost(problem, polished):
+    relaxed, before = (total_kinetic_cost(problem.masses, own) for own in (result.curves, polished))
+    if result.solved and relaxed < before:
         return result.curves
     return polished

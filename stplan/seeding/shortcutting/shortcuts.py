@@ -13,6 +13,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray
 from stplan.problem.clearance import Requirement, held_requirement, verify
+from stplan.problem.kinetic import total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.seeding.shortcutting.resampling import resample_curve
 from stplan.seeding.shortcutting.retiming import even_knots
@@ -81,7 +82,7 @@ def polish(
     rng = np.random.default_rng(rng_seed)
     current = stretch(problem, curves, kept)
     movable = np.flatnonzero(~problem.prescribed)
-    cost = kinetic_cost(problem, current)
+    cost = total_kinetic_cost(problem.masses, current)
     for turn in range(rounds):
         check()
         field = build_field(problem, current, kept)
@@ -92,19 +93,10 @@ def polish(
             problem.time_scale * problem.preferred_times,
         )
         current = [field.curve(problem, agent) for agent in range(problem.num_agents)]
-        before, cost = cost, kinetic_cost(problem, current)
+        before, cost = cost, total_kinetic_cost(problem.masses, current)
         if before - cost <= WORTHWHILE * before:
             break
     return current
-
-
-def kinetic_cost(problem: PlanningProblem, curves: Sequence[FloatArray]) -> float:
-    """Sum over agents and segments of 1/2 m |dx|^2 / dt, J."""
-    total = 0.0
-    for mass, curve in zip(problem.masses.tolist(), curves, strict=True):
-        step = np.diff(curve, axis=0)
-        total += 0.5 * mass * float(((step[:, :2] ** 2).sum(axis=1) / step[:, 2]).sum())
-    return total
 
 
 def stretch(

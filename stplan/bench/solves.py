@@ -23,7 +23,7 @@ Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
-class Run:
+class SolveFigures:
     """What `stplan solve` does with a scene, nan where it did not get that far.
 
     Attributes:
@@ -58,7 +58,7 @@ class Run:
         return self.optimise_seconds / self.iterations if self.iterations else np.nan
 
 
-def run(scene: Scene) -> tuple[Run, Plan | None]:
+def run(scene: Scene) -> tuple[SolveFigures, Plan | None]:
     """Plan `scene` and write its files to a folder that is removed again."""
     started = time.perf_counter()
     try:
@@ -66,19 +66,19 @@ def run(scene: Scene) -> tuple[Run, Plan | None]:
     except SeedingError as error:
         reason = str(error).splitlines()[0]
         seconds = time.perf_counter() - started
-        failed = Run(len(scene.agents), status=f"failed: {reason}", total_seconds=seconds)
+        failed = SolveFigures(len(scene.agents), status=f"failed: {reason}", total_seconds=seconds)
         return failed, None
     with tempfile.TemporaryDirectory() as folder:
         write_plan(planned, Path(folder))
     return measured(planned, time.perf_counter() - started), planned
 
 
-def measured(planned: Plan, total_seconds: float) -> Run:
+def measured(planned: Plan, total_seconds: float) -> SolveFigures:
     """The figures of a plan that took `total_seconds`."""
     seconds, optimisation = planned.run["seconds"], planned.run["optimisation"]
     smallest = planned.certificate.smallest
     seed = planned.report["seed"]
-    return Run(
+    return SolveFigures(
         agents=len(planned.scene.agents),
         knots=len(planned.seed.knots),
         found_by=seed["found_by"],
