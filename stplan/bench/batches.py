@@ -19,6 +19,7 @@ from pathlib import Path
 from stplan.bench.csv_table import csv_table
 from stplan.bench.machine import description
 from stplan.bench.markdown import table
+from stplan.bench.result_files import result_files
 from stplan.errors import UsageError
 from stplan.files.recorded import RUN_RECORD, read_times
 
@@ -118,10 +119,7 @@ def _span(folder: Path) -> tuple[datetime, datetime]:
 def files(measured: Sequence[Measured]) -> dict[str, bytes]:
     """Names and contents of the files of the measurement."""
     rows = [asdict(one) | {"throughput": one.throughput} for one in measured]
-    return {
-        "batch.csv": csv_table(rows).encode(),
-        "batch.md": markdown_text(measured).encode(),
-    }
+    return result_files("batch", csv_table(rows), markdown_text(measured))
 
 
 def markdown_text(measured: Sequence[Measured]) -> str:

@@ -10,6 +10,7 @@ from stplan.bench.convergence import NEAR, Convergence
 from stplan.bench.csv_table import csv_table
 from stplan.bench.markdown import number, table
 from stplan.bench.plots import profile_figure
+from stplan.bench.result_files import result_files
 
 _HEAD = (
     "variant",
@@ -28,11 +29,9 @@ _HEAD = (
 
 def files(outcomes: Sequence[Convergence]) -> dict[str, bytes]:
     """Names and contents of the files of the measurement."""
-    return {
-        "convergence.csv": csv_text(outcomes).encode(),
-        "convergence.md": markdown_text(outcomes).encode(),
-        "convergence.png": picture(outcomes),
-    }
+    return result_files(
+        "convergence", csv_text(outcomes), markdown_text(outcomes), picture(outcomes)
+    )
 
 
 def csv_text(outcomes: Sequence[Convergence]) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 from stplan.bench.csv_table import csv_table
 from stplan.bench.figures import Case, Figure, Quantity
 from stplan.bench.markdown import number, table
+from stplan.bench.result_files import result_files
 
 _HEAD = (
     "figure",
@@ -38,10 +39,7 @@ _FORMATS: dict[Quantity, str] = {
 
 def files(chosen: Sequence[Case], figures: Sequence[Figure]) -> dict[str, bytes]:
     """Names and contents of the files of the measurement."""
-    return {
-        "figures.csv": csv_text(figures).encode(),
-        "figures.md": markdown_text(chosen, figures).encode(),
-    }
+    return result_files("figures", csv_text(figures), markdown_text(chosen, figures))
 
 
 def csv_text(figures: Sequence[Figure]) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 from stplan.bench.csv_table import csv_table
 from stplan.bench.markdown import number, table
 from stplan.bench.plots import Series, growth_figure
+from stplan.bench.result_files import result_files
 from stplan.bench.rival import ASKED_COST, ASKED_FASTER, Duel
 from stplan.bench.scaling import growth
 
@@ -30,11 +31,7 @@ _HEAD = (
 
 def files(duels: Sequence[Duel]) -> dict[str, bytes]:
     """Names and contents of the files of the measurement."""
-    return {
-        "rival.csv": csv_text(duels).encode(),
-        "rival.md": markdown_text(duels).encode(),
-        "rival.png": picture(duels),
-    }
+    return result_files("rival", csv_text(duels), markdown_text(duels), picture(duels))
 
 
 def csv_text(duels: Sequence[Duel]) -> str:

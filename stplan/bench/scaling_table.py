@@ -8,6 +8,7 @@ from dataclasses import asdict
 from stplan.bench.csv_table import csv_table
 from stplan.bench.markdown import number, table
 from stplan.bench.plots import Series, growth_figure
+from stplan.bench.result_files import result_files
 from stplan.bench.scaling import PARTS, Point, Sweep, exponent, medians
 
 _TIMES = PARTS[:3]
@@ -15,11 +16,9 @@ _TIMES = PARTS[:3]
 
 def files(sweep: Sweep, points: Sequence[Point]) -> dict[str, bytes]:
     """Names and contents of the files of a sweep."""
-    return {
-        f"{sweep.name}.csv": csv_text(points).encode(),
-        f"{sweep.name}.md": markdown_text(sweep, points).encode(),
-        f"{sweep.name}.png": picture(sweep, points),
-    }
+    return result_files(
+        sweep.name, csv_text(points), markdown_text(sweep, points), picture(sweep, points)
+    )
 
 
 def csv_text(points: Sequence[Point]) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 
 from stplan.bench.csv_table import csv_table
 from stplan.bench.markdown import table
+from stplan.bench.result_files import result_files
 from stplan.bench.seeding import Measurement, growth_exponent
 
 _HEAD = (
@@ -26,10 +27,7 @@ _HEAD = (
 
 def files(measurements: Sequence[Measurement]) -> dict[str, bytes]:
     """Names and contents of the files of the measurement."""
-    return {
-        "seeding.csv": csv_text(measurements).encode(),
-        "seeding.md": markdown_text(measurements).encode(),
-    }
+    return result_files("seeding", csv_text(measurements), markdown_text(measurements))
 
 
 def csv_text(measurements: Sequence[Measurement]) -> str:
