@@ -38,7 +38,7 @@ agents:
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredBatch:
     """One batch. Times in s.
 
     Attributes:
@@ -62,7 +62,7 @@ class Measured:
 
 def measure(
     num_runs: int, jobs: Sequence[int], *, progress: Callable[[str], None]
-) -> list[Measured]:
+) -> list[MeasuredBatch]:
     """The same batch with each number of `jobs`.
 
     Raises:
@@ -97,7 +97,7 @@ def _batch(scene: Path, num_runs: int, jobs: int, folder: Path) -> float:
     return wall
 
 
-def _read(folder: Path, jobs: int, wall: float) -> Measured:
+def _read(folder: Path, jobs: int, wall: float) -> MeasuredBatch:
     runs = json.loads((folder / "batch.json").read_text(encoding="utf-8"))["runs"]
     spans = sorted(_span(folder / run["run"]) for run in runs if run["exit_status"] == 0)
     planning = [(end - start).total_seconds() for start, end in spans]
@@ -105,7 +105,7 @@ def _read(folder: Path, jobs: int, wall: float) -> Measured:
     if jobs == 1 and len(spans) > 1:
         after_first = (spans[-1][1] - spans[0][1]).total_seconds()
         overhead = (after_first - sum(planning[1:])) / (len(spans) - 1)
-    return Measured(jobs, len(runs), len(spans), wall, sum(planning), overhead)
+    return MeasuredBatch(jobs, len(runs), len(spans), wall, sum(planning), overhead)
 
 
 def _span(folder: Path) -> tuple[datetime, datetime]:
@@ -116,13 +116,13 @@ def _span(folder: Path) -> tuple[datetime, datetime]:
     return times.started, times.started + timedelta(seconds=times.total)
 
 
-def files(measured: Sequence[Measured]) -> dict[str, bytes]:
+def files(measured: Sequence[MeasuredBatch]) -> dict[str, bytes]:
     """Names and contents of the files of the measurement."""
     rows = [asdict(one) | {"throughput": one.throughput} for one in measured]
     return result_files("batch", csv_table(rows), markdown_text(measured))
 
 
-def markdown_text(measured: Sequence[Measured]) -> str:
+def markdown_text(measured: Sequence[MeasuredBatch]) -> str:
     """A row a batch, what is asked, and the machine."""
     first = measured[0]
     rows = [

@@ -61,7 +61,7 @@ def movie_bytes(
     even = (width + width % 2, height + height % 2)
     note = "real time" if chosen == 1 else f"{chosen:.3g} times as fast"
     film = Film(views, titles, even, note)
-    frames = _told(film.frames(times), len(times), progress)
+    frames = _reported(film.frames(times), len(times), progress)
     return _mp4(frames, even, fps) if kind == "mp4" else _pillow(frames, kind, fps)
 
 
@@ -72,7 +72,7 @@ def frame_times(begin: float, end: float, fps: float, speed: float) -> FloatArra
     return np.append(moving, np.full(round(_HOLD * fps), end))
 
 
-def _told(
+def _reported(
     frames: Frames, count: int, progress: Callable[[str], None]
 ) -> Iterator[NDArray[np.uint8]]:
     for number, frame in enumerate(frames, start=1):

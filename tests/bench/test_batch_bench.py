@@ -8,7 +8,7 @@ import json
 import pytest
 
 from stplan.bench import batches
-from stplan.bench.batches import Measured
+from stplan.bench.batches import MeasuredBatch
 from stplan.cli.app import main
 
 
@@ -38,6 +38,6 @@ def test_the_overhead_is_what_lies_between_the_runs(tmp_path):
         )
     (tmp_path / "batch.json").write_text(json.dumps({"runs": runs}))
     measured = batches._read(tmp_path, 1, 12.0)
-    assert measured == Measured(1, 3, 3, 12.0, 8.0, pytest.approx(0.375))
+    assert measured == MeasuredBatch(1, 3, 3, 12.0, 8.0, pytest.approx(0.375))
     assert batches._read(tmp_path, 2, 12.0).overhead is None
     assert "375.0" in batches.markdown_text([measured])

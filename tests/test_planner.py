@@ -1,0 +1,132 @@
+"""The stages one after the other: what each hands on, and where planning can be stopped."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stplan.bench.families_open import agent, circle, scene
+from stplan.certify.certificate import certify
+from stplan.clock import Clock
+from stplan.errors import BrokenSeedError, SolverError, StoppedError
+from stplan.multistart import best_seed
+from stplan.planner import check, find_initial_curves, plan, plan_files, prepare, seed
+from stplan.problem.planning_problem import PlanningProblem
+from stplan.scene.model import Scene, Visit
+from stplan.status import Status
+
+
+def limited() -> Scene:
+    """Two agents who have to start and end at rest, which no seeder knows of."""
+    one = agent("a", (0, 0), (9, 0), max_acceleration=0.3)
+    other = agent("b", (4, 5), (4, -5), max_acceleration=0.3)
+    return scene([one, other])
+
+
+def test_every_stage_takes_what_the_one_before_gave() -> None:
+    clear = circle(4, 4.0, 12.0)
+    problem = prepare(clear)
+    assert isinstance(problem, PlanningProblem)
+    initial = find_initial_curves(problem)
+    found = best_seed(problem, progress=lambda line: None)
+    # Nothing is to be restored here.
+    assert np.array_equal(initial.seed.world_lines.knots, found.world_lines.knots)
+    assert initial.certificate == certify(clear, None, found.world_lines)
+    planned = plan(clear)
+    assert np.array_equal(planned.seed.knots, found.world_lines.knots)
+    assert planned.trajectories is not None
+    assert planned.certificate == check(clear, planned.trajectories)
+    only = seed(clear)
+    assert only.trajectories is None
+    assert only.status is Status.SEEDED
+    assert np.array_equal(only.seed.knots, planned.seed.knots)
+
+
+def test_restoration_comes_between_the_seed_and_its_certificate() -> None:
+    problem = prepare(limited())
+    found = best_seed(problem, progress=lambda line: None)
+    assert not certify(problem.scene, None, found.world_lines).holds
+    initial = find_initial_curves(problem)
+    assert initial.certificate.holds
+    assert initial.seed.found_by == found.found_by
+    assert initial.certificate == certify(problem.scene, None, initial.seed.world_lines)
+
+
+def test_what_restoration_does_not_reach_is_named() -> None:
+    visits = (Visit(window=(5.0, 6.0), dwell=0.9),)
+    crowded = scene(
+        [
+            agent("a", (0, 0), (9, 0), waypoints=((4.0, 0.0),), visits=visits),
+            agent("b", (4, 5), (4, -5), waypoints=((4.0, 0.1),), visits=visits),
+        ]
+    )
+    with pytest.raises(BrokenSeedError) as refused:
+        find_initial_curves(prepare(crowded))
+    assert refused.value.violations
+    assert refused.value.exit_status == 3
+    assert str(refused.value).startswith(
+        "no initial curves were found that hold their certificate; of the best ones:\n  "
+    )
+    assert all(sentence in str(refused.value) for sentence in refused.value.violations[:5])
+
+
+def test_stopped_before_the_limits_are_kept_there_is_nothing() -> None:
+    with pytest.raises(StoppedError):
+        plan(limited(), stop=lambda: True)
+
+
+def test_stopped_later_there_is_a_plan_that_holds() -> None:
+    planned = plan(circle(4, 4.0, 12.0), stop=lambda: True)
+    assert planned.status is Status.INTERRUPTED
+    assert planned.exit_status == 130
+    assert planned.certificate.holds
+    assert planned.trajectories is not None
+    assert np.array_equal(planned.trajectories.knots, planned.seed.knots)
+
+
+def test_the_callback_is_asked_as_soon_as_there_is_something_to_keep(monkeypatch) -> None:
+    happened = []
+
+    def stop() -> bool:
+        happened.append("asked")
+        return True
+
+    from stplan import planner
+
+    real = planner.optimise
+
+    def optimise(*arguments, **options):
+        happened.append("optimise")
+        return real(*arguments, **options)
+
+    monkeypatch.setattr(planner, "optimise", optimise)
+    plan(circle(3, 3.0, 12.0), stop=stop)
+    # So that whoever stops by signals knows that none is lost from here on.
+    assert happened[:3] == ["asked", "optimise", "asked"]
+
+
+@pytest.mark.parametrize("command", [plan, seed])
+def test_options_that_ipopt_does_not_know_are_refused_before_any_work(command, monkeypatch) -> None:
+    monkeypatch.setattr("stplan.planner.best_seed", None)
+    asked = circle(3, 3.0, 12.0)
+    for options in ({"no_such_option": 1}, {"mu_strategy": "bogus"}, {"tol": "small"}):
+        other = replace(asked, solver=replace(asked.solver, ipopt=options))
+        with pytest.raises(SolverError, match=rf"solver\.ipopt\.{next(iter(options))}"):
+            command(other)
+
+
+def test_files_of_a_seed_lack_trajectories() -> None:
+    names = set(plan_files(seed(circle(3, 3.0, 12.0))))
+    assert names == {"seed.csv", "seed.npz", "report.json", "run.json"}
+
+
+def test_stages_add_up() -> None:
+    clock = Clock()
+    for name in ("seed", "certify", "seed"):
+        with clock.stage(name):
+            pass
+    assert list(clock.seconds) == ["seed", "certify"]
+    assert min(clock.seconds.values()) > 0
+    assert clock.total >= sum(clock.seconds.values())
