@@ -19,11 +19,9 @@ from stplan.files.json_file import read_json
 REPORT = "report.json"
 RUN_RECORD = "run.json"
 
-# Columns of the tables in a certificate, where it does not name them itself.
-_COLUMNS = {
-    "pairs": ("a", "b", "clearance", "time", "x", "y"),
-    "walls": ("agent", "clearance", "time", "x", "y"),
-}
+# Whom the rows of a certificate's tables concern, and the columns where it does not name them itself.
+_WHO = {"pairs": ["a", "b"], "walls": ["agent"]}
+_OTHERS = ["clearance", "time", "x", "y"]
 
 
 @dataclass(frozen=True)
@@ -132,11 +130,11 @@ def parse_times(content: Mapping[str, Any], path: Path) -> RecordedTimes:
 def _clearances(certificate: Mapping[str, Any]) -> dict[tuple[str, ...], float]:
     """By name of the column, wherever it stands."""
     found = {}
-    for table, usual in _COLUMNS.items():
-        columns = certificate[table].get("columns", usual)
-        at = columns.index("clearance")
+    for table, who in _WHO.items():
+        columns = certificate[table].get("columns", who + _OTHERS)
         for row in certificate[table]["rows"]:
-            found[tuple(map(str, row[:at]))] = float(row[at])
+            cells = dict(zip(columns, row, strict=True))
+            found[tuple(str(cells[name]) for name in who)] = float(cells["clearance"])
     return found
 
 

@@ -64,10 +64,18 @@ def ended(process: subprocess.Popen[str]) -> Ended:
     return Ended(process.returncode, out, err)
 
 
-def workers_of(process: subprocess.Popen[str]) -> list[int]:
-    """The processes in which a batch plans."""
-    pids = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
-    return [int(pid) for pid in pids if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+def workers_of(process: subprocess.Popen[str], at_least: int = 0) -> list[int]:
+    """The processes in which a batch plans; a newborn takes a moment to become known as such."""
+    until = time.monotonic() + 60
+    while True:
+        pids = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+        found = [
+            int(pid) for pid in pids if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()
+        ]
+        if len(found) >= at_least:
+            return found
+        assert time.monotonic() < until, f"only {len(found)} workers"
+        time.sleep(0.02)
 
 
 def test_a_full_disk_then_one_that_cannot_be_written_then_room_again(golden, place):
@@ -139,7 +147,7 @@ def test_interrupted_the_runs_at_work_give_their_best(place, number):
 def test_a_second_signal_ends_the_batch_at_once(place):
     with at_work(place, *BATCH, "--jobs", 1, "-v") as process:
         wait_for(process, "one: begun")
-        (worker,) = workers_of(process)
+        (worker,) = workers_of(process, at_least=1)
         os.kill(worker, signal.SIGSTOP)  # It will not answer.
         process.send_signal(signal.SIGTERM)
         process.send_signal(signal.SIGINT)
@@ -190,7 +198,7 @@ def test_interrupted_in_any_phase_solve_leaves_whole_files_or_none(place, run, m
 def test_a_worker_that_is_killed_costs_one_attempt(golden, place):
     with at_work(place, *BATCH, "--jobs", 2, "-v") as process:
         wait_for(process, "one: begun")
-        for worker in workers_of(process):
+        for worker in workers_of(process, at_least=1):
             os.kill(worker, signal.SIGKILL)
         end = ended(process)
     assert end.status == 0, end.err
@@ -201,7 +209,7 @@ def test_a_worker_that_is_killed_costs_one_attempt(golden, place):
 def test_a_worker_killed_once_too_often_is_one_failed_run(golden, place):
     with at_work(place, *BATCH, "--jobs", 1, "-v", "--retries", 0) as process:
         wait_for(process, "one: begun")
-        (worker,) = workers_of(process)
+        (worker,) = workers_of(process, at_least=1)
         os.kill(worker, signal.SIGKILL)
         end = ended(process)
     assert end.status == 4

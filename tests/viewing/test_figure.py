@@ -44,7 +44,7 @@ def test_every_format(view):
     ):
         assert expected in texts
     assert texts.count("ann") >= 2
-    assert any(text.startswith("ann and ben: 0.23") for text in texts)
+    assert any(text.startswith("ann and ben: 0.228 m") for text in texts)
     assert "initial curve" not in texts
     picture = _pixels(figure_bytes(view, "png", dpi=40))
     assert picture.shape[1] == 13 * 40
