@@ -83,7 +83,8 @@ def test_stopped_later_there_is_a_plan_that_holds() -> None:
     assert planned.exit_status == 130
     assert planned.certificate.holds
     assert planned.trajectories is not None
-    assert np.array_equal(planned.trajectories.knots, planned.seed.knots)
+    # The solver moves a start a hair off its bounds.
+    assert np.allclose(planned.trajectories.knots, planned.seed.knots, rtol=0.0, atol=1e-6)
 
 
 def test_the_callback_is_asked_as_soon_as_there_is_something_to_keep(monkeypatch) -> None:
