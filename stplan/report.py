@@ -37,6 +37,8 @@ def report(
             "name": scene.name,
             "source": None if scene.source is None else str(scene.source),
             "hash": scene.content_hash,
+            # A run is checked later against the scene as it was planned.
+            "overrides": list(scene.overrides),
         },
         "versions": versions(),
         "certificate": certificate.as_dict(),

@@ -80,8 +80,6 @@ def _plan(
         return timeout is not None and elapsed() > timeout
 
     planned = plan(scene, progress=say, stop=lambda: stop() or late())
-    # As `solve` does: a run is checked later against the scene as it was planned.
-    planned.report["scene"]["overrides"] = list(run.overrides)
     files = plan_files(planned)
     messages = (planned.advice,) if planned.advice else ()
     if planned.status != "interrupted":

@@ -64,9 +64,7 @@ def plan_scenes(
     for scene, record in scenes.values():
         prefix = f"{scene.name}: " if len(paths) > 1 else ""
         try:
-            _plan_one(
-                console, scene, output, overrides, seed_only=seed_only, prefix=prefix, record=record
-            )
+            _plan_one(console, scene, output, seed_only=seed_only, prefix=prefix, record=record)
         except (Exception, KeyboardInterrupt) as error:
             if isinstance(error, KeyboardInterrupt) and "files" in record:
                 record["exit_status"] = 130
@@ -86,7 +84,6 @@ def _plan_one(
     console: Console,
     scene: Scene,
     output: Path,
-    overrides: Sequence[str],
     *,
     seed_only: bool,
     prefix: str,
@@ -104,8 +101,6 @@ def _plan_one(
         else:
             with console.live_line(prefix) as live:
                 planned = plan(scene, progress=progress, live=live, stop=stop)
-    # A run is checked later against the scene as it was planned, overrides and all.
-    planned.report.get("scene", {})["overrides"] = list(overrides)
     with uninterrupted():
         files = _write(planned, output / scene.name, seed_only)
         record |= {

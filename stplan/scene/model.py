@@ -13,6 +13,11 @@ from typing import Any, Literal
 Point = tuple[float, float]
 
 
+def added(default: Any) -> Any:
+    """A field that came after others: at its `default` it leaves the hashes of scenes as they were."""
+    return field(default=default, metadata={"added": True})
+
+
 @dataclass(frozen=True)
 class Weights:
     """The paper's K of one agent, all >= 0. `regularity` None means auto (scaled by the seed)."""
@@ -163,6 +168,7 @@ class Scene:
         time_scale: c in m/s; the space-time metric is dx^2 + dy^2 + (c dt)^2.
         locations: (line, column), from 1, of every path of the file such as ``agents[2].radius``.
         overridden: the ``--set`` argument that decided a path, where one did.
+        overrides: the ``--set`` arguments that the file was read with, in order.
         agent_paths: where every agent stands in the file, ``agents[2]`` where left out.
     """
 
@@ -179,6 +185,7 @@ class Scene:
     solver: SolverSettings
     locations: Mapping[str, tuple[int, int]] = field(default_factory=dict, repr=False)
     overridden: Mapping[str, str] = field(default_factory=dict, repr=False)
+    overrides: tuple[str, ...] = ()
     agent_paths: tuple[str, ...] = field(default=(), repr=False)
 
     def agent_path(self, agent: int) -> str:

@@ -65,7 +65,9 @@ class Stage:
         if path.read_text() == "broken":
             raise SceneError([f"{path}:1:1: first fault", f"{path}:2:1: second fault"])
         scene = scene_of(["sam", "ann"], name=path.stem, source=path)
-        return SimpleNamespace(**vars(scene) | {"content_hash": self.hash})
+        return SimpleNamespace(
+            **vars(scene) | {"content_hash": self.hash, "overrides": tuple(overrides)}
+        )
 
     def certificate(self) -> Any:
         return SimpleNamespace(
@@ -90,6 +92,7 @@ class Stage:
             "status": status,
             "scene": {
                 "name": scene.name, "source": str(scene.source), "hash": scene.content_hash,
+                "overrides": list(scene.overrides),
             },
             "certificate": {"holds": True, "pairs": {"rows": []}, "walls": {"rows": []}},
             "metrics": {"kinetic_over_straight": 1.25, "latest_arrival": 5.0, "agents": rows},

@@ -10,6 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from stplan.planner import plan, write_plan
+from stplan.scene import load_scene
+
 SCENE = """\
 stplan: 1
 name: crossing
@@ -114,6 +117,21 @@ def test_overrides_are_remembered_by_the_run(scene, run):
     result = run("check", "outputs/crossing")
     assert (result.status, result.err) == (0, "")
     assert run("validate", scene, "--set", "horizon=-1").status == 2
+
+
+def test_a_plan_written_from_python_is_of_the_same_scene(scene, run):
+    loaded = load_scene(scene, overrides=["horizon=9.0", "agents.sam.mass=60"])
+    write_plan(plan(loaded), Path("mine"))
+    assert json.loads(Path("mine/report.json").read_text())["scene"]["overrides"] == [
+        "horizon=9.0", "agents.sam.mass=60",
+    ]  # fmt: skip
+    result = run("check", "mine")
+    assert (result.status, result.err) == (0, "")
+    settings = ("--set", "horizon=9.0", "--set", "agents.sam.mass=60")
+    assert run("solve", scene, *settings, "-q").status == 0
+    assert (
+        Path("outputs/crossing/report.json").read_bytes() == Path("mine/report.json").read_bytes()
+    )
 
 
 def test_seed(scene, run):

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import re
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from pydantic import ValidationError
 
 from stplan.errors import SceneError
-from stplan.scene.format.file import FORMAT, SceneFile
-from stplan.scene.model import MeshBase, Scene
+from stplan.scene.format.file import SceneFile
+from stplan.scene.model import Scene
 from stplan.scene.reading.compile import check_parts, compile_scene, salvage
+from stplan.scene.reading.content_hash import content_hash
 from stplan.scene.reading.faults import Hints, scene_error, sentences, shown
 from stplan.scene.reading.overrides import apply_overrides
 from stplan.scene.reading.yaml_tree import LARGEST_FILE, read_tree
@@ -84,30 +82,11 @@ def parse_scene(
     scene, faults = compile_scene(file, stem, source, folder, tree.locations, overridden, hints)
     if faults or tree.faults:
         raise scene_error(name, tree, overridden, faults)
-    return replace(scene, content_hash=_content_hash(scene))
+    scene = replace(scene, overrides=tuple(overrides))
+    return replace(scene, content_hash=content_hash(scene))
 
 
 def _file_name(stem: str) -> str:
     """A file's stem as an output name."""
     name = re.sub(r"[^a-z0-9_-]+", "-", stem.lower()).lstrip("-_").rstrip("-")
     return name[:100] or "scene"
-
-
-def _content_hash(scene: Scene) -> str:
-    """SHA-256 of the scene's meaning: not of comments, order of keys, formatting or any name of it."""
-    bare = replace(
-        scene, name="", source=None, locations={}, overridden={}, content_hash="", agent_paths=()
-    )
-    meaning: dict[str, Any] = asdict(bare)
-    digest = hashlib.sha256(f"stplan {FORMAT}\n".encode())
-    if scene.map is not None and isinstance(scene.map.base, MeshBase):
-        path = scene.map.base.path
-        try:
-            content = path.read_bytes()
-        except OSError as error:
-            text = f"cannot be read: {error.strerror}"
-            raise SceneError(scene.located("map.mesh", text)) from error
-        meaning["map"]["base"]["path"] = "mesh"
-        digest.update(hashlib.sha256(content).digest())
-    digest.update(json.dumps(meaning, sort_keys=True).encode())
-    return digest.hexdigest()
