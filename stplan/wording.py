@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from stplan.amounts import distinct
 from stplan.reasons import Kind, Reason
 
 # So many names of a list are said.
@@ -66,21 +67,16 @@ def _names(reason: Reason) -> str:
 
 def _start(reason: Reason) -> str:
     figures = reason.figures
-    text = (
-        f"{_names(reason)} start {figures['distance']:.4g} m apart in space-time, "
-        f"not over {figures['required']:.4g} m"
-    )
+    apart, required = distinct(figures["distance"], figures["required"])
+    text = f"{_names(reason)} start {apart} m apart in space-time, not over {required} m"
     if reason.times is not None and reason.times[0] != reason.times[1]:
         text += ", at this time_scale; a larger one keeps their times further apart"
     return text
 
 
 def _goal(reason: Reason) -> str:
-    figures = reason.figures
-    return (
-        f"{_names(reason)} stay on goals {figures['distance']:.4g} m apart, "
-        f"not over {figures['required']:.4g} m"
-    )
+    apart, required = distinct(reason.figures["distance"], reason.figures["required"])
+    return f"{_names(reason)} stay on goals {apart} m apart, not over {required} m"
 
 
 def _not_connected(reason: Reason) -> str:
@@ -88,9 +84,10 @@ def _not_connected(reason: Reason) -> str:
     between = "its start, waypoints and goal" if figures["stops"] > 2 else "its start and goal"
     if figures["widest"] == 0.0:
         return f"{_names(reason)}: {between} lie in separate parts of the map"
+    widest, radius = distinct(figures["widest"], figures["radius"])
     return (
         f"{_names(reason)}: no way connects {between} at its radius; the widest lets a radius of "
-        f"{figures['widest']:.3g} m through, the agent's is {figures['radius']:g} m"
+        f"{widest} m through, the agent's is {radius} m"
     )
 
 

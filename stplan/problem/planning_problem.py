@@ -14,9 +14,9 @@ import numpy as np
 from stplan.arrays import BoolArray, FloatArray
 from stplan.geometry.boundary_grid import BoundaryGrid
 from stplan.memory import LEAST_KNOTS, require_memory
-from stplan.problem.presence import present_until
 from stplan.scene.interactions import Interactions, Meeting, scene_interactions, scene_meetings
 from stplan.scene.model import Scene
+from stplan.scene.presence import present_until
 from stplan.world.free_space import FreeSpace
 from stplan.world.placement import fitted_free_space
 
@@ -139,7 +139,7 @@ class PlanningProblem:
 
     def present_until(self, arrivals: FloatArray) -> FloatArray:
         """(A,) until when every agent is there, s, given when each arrives (A,)."""
-        return present_until(self.stays, arrivals, self.final_time)
+        return present_until(self.scene, arrivals)
 
     def rod(self, agent: int, curve: FloatArray) -> FloatArray:
         """The rod of `curve` in (x, y, c t), its tail included where the agent stays; m."""

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stplan.arrays import BoolArray, FloatArray
+from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.scene.model import Meet, Scene
 
 
 @dataclass(frozen=True)
 class Interactions:
-    """Symmetric (A, A) arrays over pairs of agents; diagonals are off.
+    """Arrays over pairs of agents, symmetric (A, A) for those of a scene; no agent is paired with itself.
 
     Attributes:
         collides: the pair must keep its distance (both weights 0, or `collide: false`, is off).
@@ -27,27 +27,52 @@ class Interactions:
     grouping: FloatArray
 
 
+class PairSettings:
+    """What every pair of agents of `scene` has set, later rules winning over earlier ones."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._radii = np.array([agent.radius for agent in scene.agents])
+        self._weights = np.array([agent.weights.collision for agent in scene.agents])
+        self._rules = [
+            (np.array(rule.left, dtype=np.int64), np.array(rule.right, dtype=np.int64), rule)
+            for rule in scene.pairs
+            if (rule.distance, rule.grouping, rule.collide) != (None, None, None)
+        ]
+
+    def between(self, rows: IntArray, columns: IntArray) -> Interactions:
+        """(R, C) settings of agents `rows` (R,) with agents `columns` (C,), each named once."""
+        distance = self._radii[rows, None] + self._radii[None, columns]
+        weight = (self._weights[rows, None] + self._weights[None, columns]) / 2
+        collides = np.ones(distance.shape, dtype=bool)
+        grouping = np.zeros_like(distance)
+        row_of, column_of = self._places(rows), self._places(columns)
+        for left, right, rule in self._rules:
+            for one, other in ((left, right), (right, left)):
+                r, c = row_of[one], column_of[other]
+                where = np.ix_(r[r >= 0], c[c >= 0])
+                if rule.distance is not None:
+                    distance[where] = rule.distance
+                if rule.grouping is not None:
+                    grouping[where] = rule.grouping
+                if rule.collide is not None:
+                    collides[where] = rule.collide
+        collides &= weight > 0
+        same = rows[:, None] == columns[None, :]
+        collides[same] = False
+        grouping[same] = 0.0
+        return Interactions(collides, distance, weight, grouping)
+
+    def _places(self, chosen: IntArray) -> IntArray:
+        """(A,) where each agent stands in `chosen`, -1 where it does not."""
+        places = np.full(len(self._radii), -1, dtype=np.int64)
+        places[chosen] = np.arange(len(chosen))
+        return places
+
+
 def scene_interactions(scene: Scene) -> Interactions:
-    """Arrays of all pair settings of `scene`, later rules winning over earlier ones."""
-    radii = np.array([agent.radius for agent in scene.agents])
-    weights = np.array([agent.weights.collision for agent in scene.agents])
-    distance = radii[:, None] + radii[None, :]
-    collision_weight = (weights[:, None] + weights[None, :]) / 2
-    collides = np.ones(distance.shape, dtype=bool)
-    grouping = np.zeros_like(distance)
-    for rule in scene.pairs:
-        for rows, columns in ((rule.left, rule.right), (rule.right, rule.left)):
-            where = np.ix_(rows, columns)
-            if rule.distance is not None:
-                distance[where] = rule.distance
-            if rule.grouping is not None:
-                grouping[where] = rule.grouping
-            if rule.collide is not None:
-                collides[where] = rule.collide
-    collides &= collision_weight > 0
-    np.fill_diagonal(collides, False)
-    np.fill_diagonal(grouping, 0.0)
-    return Interactions(collides, distance, collision_weight, grouping)
+    """Arrays of all pair settings of `scene`."""
+    everyone = np.arange(len(scene.agents))
+    return PairSettings(scene).between(everyone, everyone)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
+from stplan.amounts import amount, distinct, place
 from stplan.arrays import FloatArray
 from stplan.errors import SceneError
 from stplan.scene.model import Agent, Scene
@@ -51,17 +52,18 @@ def check_scene_in_world(scene: Scene, free_space: FreeSpace | None) -> list[str
     ]
     if not entries:
         return []
-    room = free_space.clearance(np.array([point for _, _, point in entries]))
+    clearances = free_space.clearance(np.array([point for _, _, point in entries]))
     messages = []
-    for (a, key, point), clearance in zip(entries, room.tolist(), strict=True):
+    for (a, key, point), clearance in zip(entries, clearances.tolist(), strict=True):
         radius = scene.agents[a].radius
         if clearance > radius:
             continue
-        where = f"({point[0]:g}, {point[1]:g})"
+        where = place(*point)
+        room, needed = distinct(clearance, radius)
         fault = (
-            f"{where} lies outside the free space of the map, by {-clearance:.4g} m"
-            if clearance <= 0
-            else f"{where} is {clearance:.4g} m from a wall, but the radius is {radius:g} m"
+            f"{where} lies outside the free space of the map, by {amount(-clearance)} m"
+            if clearance < 0
+            else f"{where} is {room} m from a wall, but the radius is {needed} m"
         )
         messages.append(
             scene.located(

@@ -91,11 +91,11 @@ def test_limits_and_visits_that_are_refused(own, words):
         ("pairs: [{between: [sam, ann], meet: {within: 0}}]", "meet.within: is 0; more than 0"),
         (
             "pairs: [{between: [sam, ann], meet: {within: 0.6}}]",
-            "pairs[0].meet: 'sam' and 'ann' meet within 0.6 m, but keep 0.6 m apart",
+            "pairs[0].meet: 'sam' and 'ann' meet within 0.6 m, but keep more than 0.6 m apart",
         ),
         (
             "groups: [{members: [sam, ann], distance: 2, meet: {within: 1}}]",
-            "groups[0].meet: 'sam' and 'ann' meet within 1 m, but keep 2 m apart",
+            "groups[0].meet: 'sam' and 'ann' meet within 1 m, but keep more than 2 m apart",
         ),
         (
             "pairs: [{between: [sam, ann], meet: {within: 1, window: [25, 30]}}]",

@@ -12,7 +12,7 @@ from stplan.scene.format.file import FORMAT
 from stplan.scene.model import MeshBase, Scene
 
 # Fields that say where a scene is from, not what it means: these stay empty ...
-_EMPTY = {"name": "", "source": None, "content_hash": ""}
+_EMPTY: dict[str, Any] = {"name": "", "source": None, "content_hash": ""}
 _EMPTY |= {"locations": {}, "overridden": {}, "agent_paths": ()}
 # ... and these, younger than the first hashes, are left out.
 _LEFT_OUT = {"overrides"}

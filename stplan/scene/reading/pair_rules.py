@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import product
 from typing import NamedTuple
 
+import numpy as np
+
+from stplan.amounts import distinct
 from stplan.scene.format.file import GroupFile, MeetFile, PairFile, PairSettingsFile
-from stplan.scene.model import Agent, Meet, PairRule, Scene
+from stplan.scene.interactions import PairSettings
+from stplan.scene.model import Meet, PairRule, Scene
+from stplan.scene.presence import present_until
 from stplan.scene.reading.faults import Fault, Hints
 
 # More meetings than this are a mistake: every one is a constraint of its own.
@@ -138,41 +142,34 @@ def meeting_faults(scene: Scene, paths: Sequence[str]) -> list[Fault]:
 
     `paths` say where the scene's rules stand.
     """
+    if all(rule.meet is None for rule in scene.pairs):
+        return []
+    settings = PairSettings(scene)
+    starts = np.array([agent.start_time for agent in scene.agents])
+    ends = present_until(scene, np.array([agent.max_time for agent in scene.agents]))
     faults = []
-    sets = [(set(rule.left), set(rule.right)) for rule in scene.pairs]
     for path, rule in zip(paths, scene.pairs, strict=True):
         if rule.meet is None:
             continue
-        for a, b in product(rule.left, rule.right):
-            fault = "" if a == b else _meeting_fault(scene, sets, a, b, rule.meet)
-            if fault:
-                faults.append((f"{path}.meet", fault))
-                break
+        rows, columns = np.array(rule.left, dtype=np.int64), np.array(rule.right, dtype=np.int64)
+        pairs = settings.between(rows, columns)
+        near = pairs.collides & (rule.meet.within <= pairs.distance)
+        begin = np.maximum.outer(starts[rows], starts[columns])
+        end = np.minimum.outer(ends[rows], ends[columns])
+        if rule.meet.window is not None:
+            begin = np.maximum(begin, rule.meet.window[0])
+            end = np.minimum(end, rule.meet.window[1])
+        wrong = np.argwhere((near | (begin > end)) & (rows[:, None] != columns[None, :]))
+        if not len(wrong):
+            continue
+        row, column = wrong[0]
+        first, second = scene.agents[rows[row]].id, scene.agents[columns[column]].id
+        text = f"'{first}' and '{second}' are never both present in time for it"
+        if near[row, column]:
+            within, apart = distinct(rule.meet.within, float(pairs.distance[row, column]))
+            text = (
+                f"'{first}' and '{second}' meet within {within} m, but keep more than {apart} m apart; "
+                "a larger `within` is expected"
+            )
+        faults.append((f"{path}.meet", text))
     return faults
-
-
-def _meeting_fault(
-    scene: Scene, sets: Sequence[tuple[set[int], set[int]]], a: int, b: int, meet: Meet
-) -> str:
-    first, second = scene.agents[a], scene.agents[b]
-    names = f"'{first.id}' and '{second.id}'"
-    distance = first.radius + second.radius
-    collide = first.weights.collision > 0 or second.weights.collision > 0
-    for rule, (left, right) in zip(scene.pairs, sets, strict=True):
-        if (a in left and b in right) or (b in left and a in right):
-            distance = rule.distance if rule.distance is not None else distance
-            collide = collide and rule.collide is not False
-    if collide and meet.within <= distance:
-        return (
-            f"{names} meet within {meet.within:g} m, but keep {distance:g} m apart; "
-            "a larger `within` is expected"
-        )
-    begin = max(first.start_time, second.start_time)
-    end = min(_leaves(scene, first), _leaves(scene, second))
-    if meet.window is not None:
-        begin, end = max(begin, meet.window[0]), min(end, meet.window[1])
-    return "" if begin <= end else f"{names} are never both present in time for it"
-
-
-def _leaves(scene: Scene, agent: Agent) -> float:
-    return scene.final_time if agent.after_arrival == "stay" else agent.max_time
