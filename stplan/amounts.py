@@ -16,10 +16,10 @@ def amount(value: float, digits: int = FEWEST_DIGITS) -> str:
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 
-def distinct(*values: float) -> tuple[str, ...]:
-    """`values` to as few digits as show which of them differ, four at least."""
-    for digits in range(FEWEST_DIGITS, MOST_DIGITS):
-        texts = tuple(amount(value, digits) for value in values)
+def distinct(*values: float, digits: int = FEWEST_DIGITS) -> tuple[str, ...]:
+    """`values` to as few significant digits as show which of them differ, `digits` at least."""
+    for count in range(digits, MOST_DIGITS):
+        texts = tuple(amount(value, count) for value in values)
         if len(set(texts)) == len(set(values)):
             return texts
     return tuple(amount(value, MOST_DIGITS) for value in values)

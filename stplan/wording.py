@@ -84,7 +84,7 @@ def _not_connected(reason: Reason) -> str:
     between = "its start, waypoints and goal" if figures["stops"] > 2 else "its start and goal"
     if figures["widest"] == 0.0:
         return f"{_names(reason)}: {between} lie in separate parts of the map"
-    widest, radius = distinct(figures["widest"], figures["radius"])
+    widest, radius = distinct(figures["widest"], figures["radius"], digits=3)
     return (
         f"{_names(reason)}: no way connects {between} at its radius; the widest lets a radius of "
         f"{widest} m through, the agent's is {radius} m"
