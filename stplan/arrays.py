@@ -8,3 +8,6 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
+
+# x, y of a point in the plane, m.
+Point = tuple[float, float]

@@ -120,7 +120,8 @@ def _search(folder: Path, output: Path) -> Iterator[Path]:
 
 
 def _run(source: Path, overrides: tuple[str, ...], combination: Combination) -> Run:
-    from stplan.scene import load_scene
+    from stplan.scene import parse_scene
+    from stplan.scene.reading.load import read_text
 
     settings = overrides + combination.overrides
     content_hash = text = ""
@@ -128,13 +129,11 @@ def _run(source: Path, overrides: tuple[str, ...], combination: Combination) -> 
     # A scene that cannot be read has no name; its path says which one is meant.
     name = str(source)
     try:
-        scene = load_scene(source, overrides=settings)
-        text = source.read_text(encoding="utf-8-sig")
+        text = read_text(source)
+        scene = parse_scene(text, source=source, directory=source.parent, overrides=settings)
         name, content_hash = scene.name, scene.content_hash
     except SceneError as error:
         refusal = tuple(error.messages)
-    except OSError as error:
-        refusal = (f"{source}: cannot be read: {error.strerror or error}",)
     if combination.label:
         name = f"{name}--{combination.label}"
     directory = Path(os.path.abspath(source.parent))

@@ -75,6 +75,10 @@ def _plan(
     scene = parse_scene(
         run.text, source=run.source, directory=run.directory, overrides=run.overrides
     )
+    if run.content_hash not in ("", scene.content_hash):
+        raise SceneError(
+            f"{run.source}: its files have changed since the batch began; run it again"
+        )
 
     def late() -> bool:
         return timeout is not None and elapsed() > timeout

@@ -10,8 +10,11 @@ import numpy as np
 import shapely
 from shapely.geometry.polygon import orient
 
+from stplan.arrays import Point
 from stplan.bench.families_tight import RADIUS, make_scene
-from stplan.scene.model import MapSpec, Point, PolygonBase, Scene
+from stplan.maps.polygon import PolygonBase
+from stplan.maps.spec import MapSpec
+from stplan.scene.model import Scene
 
 # Lanes fit two agents and a little more, so that they can pass one another.
 LANE = 6.0 * RADIUS

@@ -10,12 +10,12 @@ from collections.abc import Callable
 
 import numpy as np
 
+from stplan.arrays import Point
+from stplan.maps.obstacles import PolygonObstacle
+from stplan.maps.polygon import PolygonBase
+from stplan.maps.spec import MapSpec
 from stplan.scene.model import (
     Agent,
-    MapSpec,
-    Point,
-    PolygonBase,
-    PolygonObstacle,
     Scene,
     SeedingSettings,
     SolverSettings,

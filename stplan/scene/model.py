@@ -10,12 +10,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-Point = tuple[float, float]
-
-
-def added(default: Any) -> Any:
-    """A field that came after others: at its `default` it leaves the hashes of scenes as they were."""
-    return field(default=default, metadata={"added": True})
+from stplan.arrays import Point
+from stplan.maps.spec import MapSpec
 
 
 @dataclass(frozen=True)
@@ -83,46 +79,6 @@ class PairRule:
     grouping: float | None = None
     collide: bool | None = None
     meet: Meet | None = None
-
-
-@dataclass(frozen=True)
-class MeshBase:
-    """A flat mesh as the map; `up` names the axis that is dropped."""
-
-    path: Path
-    up: Literal["x", "y", "z"]
-
-
-@dataclass(frozen=True)
-class PolygonBase:
-    """An outer ring with holes as the map (a rectangle is four points)."""
-
-    outer: tuple[Point, ...]
-    holes: tuple[tuple[Point, ...], ...] = ()
-
-
-@dataclass(frozen=True)
-class PolygonObstacle:
-    """An area cut out of the base (a rectangle is four points)."""
-
-    ring: tuple[Point, ...]
-
-
-@dataclass(frozen=True)
-class CircleObstacle:
-    """A disc cut out of the base."""
-
-    center: Point
-    radius: float
-
-
-@dataclass(frozen=True)
-class MapSpec:
-    """The map as written: a base, obstacles cut out of it, wanted edge length of the mesh (m)."""
-
-    base: MeshBase | PolygonBase
-    obstacles: tuple[PolygonObstacle | CircleObstacle, ...] = ()
-    resolution: float | None = None
 
 
 @dataclass(frozen=True)

@@ -10,11 +10,9 @@ import shapely
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.errors import SceneError
-from stplan.maps.mesh.reader import mesh_polygon
-from stplan.scene.model import CircleObstacle, MeshBase, PolygonObstacle, Scene
-
-# Sides of the polygon that stands for a disc; it contains the disc, so nobody gets closer than told.
-CIRCLE_SIDES = 64
+from stplan.maps.floor import read_floor
+from stplan.maps.reader import MapError
+from stplan.scene.model import Scene
 
 
 @dataclass(frozen=True)
@@ -25,14 +23,16 @@ class FreeSpace:
         polygon: shapely Polygon or MultiPolygon, m.
         boundary_vertices: (B, 2) corners of outer rings and holes, m.
         boundary_edges: (E, 2) indices into them.
+        triangles: (F, 3, 2) triangles that the map was drawn with, m, None where it has none.
     """
 
     polygon: shapely.Geometry
     boundary_vertices: FloatArray
     boundary_edges: IntArray
+    triangles: FloatArray | None = None
 
     @staticmethod
-    def from_polygon(polygon: shapely.Geometry) -> FreeSpace:
+    def from_polygon(polygon: shapely.Geometry, triangles: FloatArray | None = None) -> FreeSpace:
         """The free space of a polygon; exactly collinear corners are dropped, order is canonical."""
         polygon = shapely.normalize(shapely.simplify(polygon, 0.0, preserve_topology=True))
         parts = [part for part in shapely.get_parts(polygon) if part.area > 0]
@@ -49,7 +49,8 @@ class FreeSpace:
         place = place.reshape(2, -1).T
         keep = place[:, 0] != place[:, 1]
         shapely.prepare(polygon)
-        return FreeSpace(polygon, vertices, np.ascontiguousarray(place[keep], dtype=np.int64))
+        place = np.ascontiguousarray(place[keep], dtype=np.int64)
+        return FreeSpace(polygon, vertices, place, triangles)
 
     @cached_property
     def boundary_segments(self) -> FloatArray:
@@ -105,32 +106,8 @@ def build_free_space(scene: Scene) -> FreeSpace | None:
     """
     if scene.map is None:
         return None
-    base = scene.map.base
-    if isinstance(base, MeshBase):
-        polygon = mesh_polygon(scene, base)
-    else:
-        polygon = shapely.Polygon(base.outer, base.holes)
-    for number, obstacle in enumerate(scene.map.obstacles):
-        shape = obstacle_polygon(obstacle)
-        if not shape.is_valid or shape.area == 0:
-            raise SceneError(
-                scene.located(
-                    f"map.obstacles[{number}]",
-                    "has no area or cuts itself; a simple ring is expected",
-                )
-            )
-        polygon = shapely.difference(polygon, shape)
-    parts = [p for p in shapely.get_parts(polygon) if isinstance(p, shapely.Polygon) and p.area > 0]
-    if not parts:
-        raise SceneError(scene.located("map", "has no area left to move in"))
-    return FreeSpace.from_polygon(parts[0] if len(parts) == 1 else shapely.MultiPolygon(parts))
-
-
-def obstacle_polygon(obstacle: PolygonObstacle | CircleObstacle) -> shapely.Polygon:
-    """An obstacle as a polygon; a disc is circumscribed."""
-    if isinstance(obstacle, PolygonObstacle):
-        return shapely.Polygon(obstacle.ring)
-    angle = 2 * np.pi * np.arange(CIRCLE_SIDES) / CIRCLE_SIDES
-    reach = obstacle.radius / np.cos(np.pi / CIRCLE_SIDES)
-    ring = np.array(obstacle.center) + reach * np.column_stack([np.cos(angle), np.sin(angle)])
-    return shapely.Polygon(ring)
+    try:
+        floor = read_floor(scene.map)
+    except MapError as fault:
+        raise SceneError(scene.located(fault.path, fault.text)) from fault
+    return FreeSpace.from_polygon(floor.area, floor.triangles)

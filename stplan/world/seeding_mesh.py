@@ -10,8 +10,7 @@ import shapely
 from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.maps.mesh.reader import read_flat_mesh
-from stplan.scene.model import Agent, MeshBase, Scene
+from stplan.scene.model import Agent, Scene
 from stplan.world.erosion import eroded
 from stplan.world.free_space import FreeSpace
 
@@ -57,16 +56,13 @@ def build_seeding_mesh(scene: Scene, free_space: FreeSpace | None) -> SeedingMes
 
     Edges are as long as `map.resolution`, by default the smallest radius, and longer where that
     would take too many vertices.
-
-    Raises:
-        SceneError: the map's mesh cannot be read.
     """
     exact = np.array([point for agent in scene.agents for point in _stops(agent)]) + 0.0
     places, terminals = np.unique(exact, axis=0, return_inverse=True)
     radii = np.unique([agent.radius for agent in scene.agents])
     region = _open_region(places, float(radii[-1])) if free_space is None else free_space.polygon
     spacing = _spacing(scene, region, float(radii[0]))
-    own = _own_triangles(scene)
+    own = _own_triangles(free_space)
     room = max(MOST_VERTICES, 2 * len(places))
     vertices = _points(free_space, region, places, radii, own, spacing)
     while len(vertices) > room:
@@ -116,12 +112,10 @@ def _spacing(scene: Scene, region: shapely.Geometry, radius: float) -> float:
     return max(radius if wanted is None else wanted, least)
 
 
-def _own_triangles(scene: Scene) -> FloatArray | None:
+def _own_triangles(free_space: FreeSpace | None) -> FloatArray | None:
     """(F, 3, 2) the map's own triangles, None where it has none or far too many."""
-    if scene.map is None or not isinstance(scene.map.base, MeshBase):
-        return None
-    vertices, triangles = read_flat_mesh(scene.map.base.path, scene.map.base.up)
-    return None if len(triangles) > MOST_VERTICES else vertices[triangles]
+    own = None if free_space is None else free_space.triangles
+    return None if own is None or len(own) > MOST_VERTICES else own
 
 
 def _points(

@@ -8,6 +8,7 @@ import pytest
 
 from stplan.batch.runs import list_runs
 from stplan.batch.sweep import LONGEST_LABEL, combinations
+from stplan.batch.worker import execute
 from stplan.errors import UsageError
 
 
@@ -123,3 +124,17 @@ def test_a_scene_that_is_refused_is_a_run_too():
     assert "agents" in runs["scenes/one.yaml"].refusal[0]
     assert "not UTF-8" in runs["scenes/two.yaml"].refusal[0]
     assert not runs["room"].refusal
+
+
+def test_a_scene_that_changed_since_the_batch_began_is_not_planned():
+    """Its results would stand under the hash of another scene."""
+    Path("room.obj").write_text("v 0 0 0\nv 6 0 0\nv 6 3 0\nv 0 3 0\nf 1 2 3 4\n")
+    text = Path("scenes/one.yaml").read_text() + "map: {mesh: ../room.obj}\n"
+    Path("scenes/one.yaml").write_text(text)
+    (run,) = list_runs(["scenes/one.yaml"], output=Path("results"))
+    Path("room.obj").write_text("v 0 0 0\nv 7 0 0\nv 7 3 0\nv 0 3 0\nf 1 2 3 4\n")
+    outcome = execute(run, None, lambda line: None)
+    assert outcome.state == "refused"
+    assert outcome.messages == (
+        "scenes/one.yaml: its files have changed since the batch began; run it again",
+    )

@@ -9,8 +9,8 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from stplan.maps.mesh.base import MeshBase
 from stplan.scene import load_scene, parse_scene
-from stplan.scene.model import MeshBase
 from tests.scene.samples import FULL, PAIR, TRIANGLE, dump, edited, full_tree, scene_text
 
 
@@ -52,7 +52,7 @@ def test_hash_ignores_where_the_scene_lies(tmp_path):
     assert here.content_hash == there.content_hash
     assert len(here.content_hash) == 64
     assert isinstance(here.map.base, MeshBase)
-    assert here.map.base.path.is_file()
+    assert here.map.base.file.path.is_file()
 
 
 def test_hash_knows_the_bytes_of_the_mesh(tmp_path):
@@ -103,3 +103,16 @@ def test_defaults_written_out_are_the_same_scene():
 def test_hash_sees_defaults_written_out():
     written = scene_text("radius: 0.3, weights: {kinetic: 1}", "solver: {alpha: 50.0}")
     assert parse_scene(written).content_hash == parse_scene(scene_text()).content_hash
+
+
+def test_hashes_stay_from_version_to_version(tmp_path):
+    """Runs are known again by them; new keys at their default change nothing."""
+    found = [
+        parse_scene(text, directory=tmp_path).content_hash
+        for text in (PAIR, FULL, mesh_scene(tmp_path).replace(".obj}", ".obj, resolution: 2}"))
+    ]
+    assert found == [
+        "d7ae5bd5c7222e548415dcc1a23e37844ac9f5a7a949afece97c730f2dd59f2f",
+        "56abf34bfa1595b850b4966beb9e96681225908891533a3afd69629f45aa9be1",
+        "a4cb92de5dcf5149eb91c3ccfccf5a8f984087b6eccc4d55c23ab3778fea7dd2",
+    ]

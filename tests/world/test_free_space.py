@@ -7,8 +7,8 @@ import pytest
 import shapely
 
 from stplan.errors import SceneError
+from stplan.maps.obstacles import CIRCLE_SIDES
 from stplan.world import build_free_space, eroded
-from stplan.world.free_space import CIRCLE_SIDES
 from tests.world.scenes import scene
 
 BOX = "rectangle: [0, 0, 10, 4]"

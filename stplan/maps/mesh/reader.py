@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import logging
 import warnings
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,10 +12,11 @@ import shapely
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.errors import SceneError
+from stplan.maps.files import FileContent
 from stplan.maps.mesh.counts import announced_faces, check_counts
 from stplan.maps.mesh.cracks import joined
 from stplan.maps.mesh.obj import read_obj
-from stplan.scene.model import MeshBase, Scene
+from stplan.maps.reader import Floor
 
 # Triangles may cover the floor so often on average: storeys above one another, a closed surface.
 MOST_LAYERS = 64
@@ -25,17 +25,17 @@ FOLDED = -0.99
 _KEPT_AXES = {"x": (1, 2), "y": (0, 2), "z": (0, 1)}
 
 
-def read_flat_mesh(path: Path, up: str) -> tuple[FloatArray, IntArray]:
+def read_flat_mesh(file: FileContent, up: str) -> tuple[FloatArray, IntArray]:
     """Vertices (V, 2) in m and triangles (F, 3) of a mesh file, the axis `up` dropped.
 
     Equal vertices are merged, faces split, triangles without area after projection left out.
 
     Raises:
-        SceneError: the file is no mesh, has no area, or has faces whose area is in doubt.
+        SceneError: the file is no mesh, has no area, or has faces whose area is in doubt; the
+            message goes after the file's name.
     """
-    kind = path.suffix.lower().removeprefix(".")
+    content, kind = file.content, file.kind
     try:
-        content = path.read_bytes()
         announced = announced_faces(content, kind)
         load = read_obj(content, _KEPT_AXES[up]) if kind == "obj" else _load(content, kind)
         vertices, triangles = load
@@ -43,27 +43,23 @@ def read_flat_mesh(path: Path, up: str) -> tuple[FloatArray, IntArray]:
         if len(triangles) < announced:
             # Some readers take what they find, however much the head of the file announces.
             raise ValueError("faces are missing")
-    except SceneError as error:
-        raise SceneError(f"{path.name} {error}") from error
-    except OSError as error:
-        raise SceneError(f"{path.name} cannot be read: {error.strerror or error}") from error
-    except MemoryError:
+    except (SceneError, MemoryError):
         raise
     except Exception as error:  # a hostile file may raise anything at all inside the reader
         raise SceneError(
-            f"{path.name} cannot be read: it is damaged, cut short or no {path.suffix} mesh"
+            f"cannot be read: it is damaged, cut short or no {file.path.suffix} mesh"
         ) from error
     if not len(triangles):
-        raise SceneError(f"{path.name} has no faces")
+        raise SceneError("has no faces")
     if triangles.min() < 0 or triangles.max() >= len(vertices):
-        raise SceneError(f"{path.name} has faces that refer to vertices it does not have")
+        raise SceneError("has faces that refer to vertices it does not have")
     flat = vertices[:, _KEPT_AXES[up]]
     # Of the axis that is dropped too: normals are computed with it.
     corners = vertices[triangles]
     if not np.isfinite(corners).all() or np.abs(corners).max() > 1e9:
-        raise SceneError(f"{path.name} has vertices that are not finite or absurdly far away")
+        raise SceneError("has vertices that are not finite or absurdly far away")
     if kind in {"ply", "off"} and _has_folds(vertices, triangles, "xyz".index(up)):
-        raise SceneError(f"{path.name} has concave faces; triangles are expected, or an OBJ file")
+        raise SceneError("has concave faces; triangles are expected, or an OBJ file")
     flat, place = np.unique(flat, axis=0, return_inverse=True)
     triangles = place.reshape(-1)[triangles]
     a, b, c = (flat[triangles[:, k]] for k in range(3))
@@ -71,10 +67,10 @@ def read_flat_mesh(path: Path, up: str) -> tuple[FloatArray, IntArray]:
     extent = np.ptp(flat[triangles.ravel()], axis=0).max()
     keep = np.abs(area) > 1e-14 * extent**2
     if not keep.any():
-        raise SceneError(f"{path.name} has no area seen along its {up} axis")
+        raise SceneError(f"has no area seen along its {up} axis")
     if np.abs(area).sum() / 2 > MOST_LAYERS * float(np.ptp(flat[triangles.ravel()], axis=0).prod()):
         raise SceneError(
-            f"{path.name} has faces on top of one another, more than {MOST_LAYERS} layers "
+            f"has faces on top of one another, more than {MOST_LAYERS} layers "
             "on average; a floor is expected"
         )
     return flat, triangles[keep]
@@ -130,15 +126,11 @@ def _has_folds(vertices: FloatArray, triangles: IntArray, up: int) -> bool:
     return bool(((cosine < FOLDED) & (beyond[there] != b[here])).any())
 
 
-def mesh_polygon(scene: Scene, base: MeshBase) -> shapely.Geometry:
-    """The union of a mesh's triangles in the plane; raises SceneError, located, where there is none."""
+def mesh_floor(file: FileContent, up: str) -> Floor:
+    """The union of a mesh's triangles in the plane. Raises like `read_flat_mesh`."""
+    vertices, triangles = read_flat_mesh(file, up)
     try:
-        vertices, triangles = read_flat_mesh(base.path, base.up)
-        try:
-            return joined(vertices, triangles)
-        except shapely.errors.GEOSException as error:
-            raise SceneError(f"{base.path.name} has faces too tangled to be joined") from error
-        except SceneError as error:
-            raise SceneError(f"{base.path.name} {error}") from error
-    except SceneError as error:
-        raise SceneError(scene.located("map.mesh", str(error))) from error
+        area = joined(vertices, triangles)
+    except shapely.errors.GEOSException as error:
+        raise SceneError("has faces too tangled to be joined") from error
+    return Floor(area, vertices[triangles])

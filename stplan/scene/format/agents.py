@@ -6,8 +6,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
-from stplan.scene.format.base import GIVEN, FileModel, key
-from stplan.scene.format.quantities import (
+from stplan.maps.obstacles import CircleFile
+from stplan.schema.mapping import GIVEN, FileModel, key
+from stplan.schema.quantities import (
     Identifier,
     Interval,
     Knot,
@@ -105,13 +106,6 @@ class AgentFile(SharedFields):
     ] = key(
         "[[x, y, t], ...] in m and s, t rising: the agent moves exactly so, everyone else makes way"
     )
-
-
-class CircleFile(FileModel):
-    """A disc."""
-
-    center: Point = Field(description="[x, y] in m")
-    radius: Positive = Field(description="radius, m")
 
 
 class PatternFile(SharedFields):

@@ -10,11 +10,13 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from stplan.scene.format.agents import MOST_AGENTS, AgentEntry, CircleFile, SharedFields
-from stplan.scene.format.base import GIVEN as _GIVEN
-from stplan.scene.format.base import FileModel as _Model
-from stplan.scene.format.base import key as _key
-from stplan.scene.format.quantities import (
+from stplan.maps.registry import MapFile
+from stplan.scene.format.agents import MOST_AGENTS, AgentEntry, SharedFields
+from stplan.scene.model import SeedingSettings, SolverSettings
+from stplan.schema.mapping import GIVEN as _GIVEN
+from stplan.schema.mapping import FileModel as _Model
+from stplan.schema.mapping import key as _key
+from stplan.schema.quantities import (
     Factor,
     Identifier,
     Interval,
@@ -22,12 +24,9 @@ from stplan.scene.format.quantities import (
     Options,
     Or,
     Positive,
-    Rectangle,
-    Ring,
     Side,
     Version,
 )
-from stplan.scene.model import SeedingSettings, SolverSettings
 
 FORMAT = 1
 MOST_PAIRS = 100_000
@@ -39,34 +38,6 @@ _KNOTS = Annotated[int, Field(ge=3, le=10_000)]
 _STARTS = Annotated[int, Field(ge=1, le=1000)]
 _Tolerance = Annotated[Factor, Field(le=1e6)]
 _RANGE = Annotated[float, Field(gt=0, allow_inf_nan=True)]
-
-
-class ObstacleFile(_Model):
-    """Exactly one shape, cut out of the map."""
-
-    rectangle: Annotated[Rectangle | None, _GIVEN] = _key("[xmin, ymin, xmax, ymax] in m")
-    polygon: Annotated[Ring | None, _GIVEN] = _key("[[x, y], ...] in m, a ring that is not closed")
-    circle: Annotated[CircleFile | None, _GIVEN] = _key("a disc")
-
-
-class MapFile(_Model):
-    """Where agents may be: exactly one base (mesh, polygon or rectangle), less the obstacles."""
-
-    mesh: Annotated[Annotated[str, Field(min_length=1, max_length=1000)] | None, _GIVEN] = _key(
-        "base: a flat mesh (OBJ, PLY, OFF, STL, GLB), in m, path relative to the scene file"
-    )
-    up: Annotated[Literal["x", "y", "z"] | None, _GIVEN] = _key(
-        "axis of the mesh that is dropped", "z"
-    )
-    polygon: Annotated[Ring | None, _GIVEN] = _key("base: an outer ring [[x, y], ...] in m")
-    holes: Annotated[list[Ring] | None, _GIVEN] = _key("rings in m, cut out of `polygon`")
-    rectangle: Annotated[Rectangle | None, _GIVEN] = _key("base: [xmin, ymin, xmax, ymax] in m")
-    obstacles: Annotated[
-        Annotated[list[ObstacleFile], Field(max_length=100_000)] | None, _GIVEN
-    ] = _key("shapes cut out of the base")
-    resolution: Annotated[Positive | None, _GIVEN] = _key(
-        "wanted edge length of the seeding mesh, m; default: from the smallest radius"
-    )
 
 
 class MeetFile(_Model):

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, TypeAdapter
 
+from stplan.maps.registry import MapFile, compile_map
 from stplan.scene.format.agents import (
     MOST_AGENTS,
     AgentEntry,
@@ -21,15 +22,15 @@ from stplan.scene.format.agents import (
     PatternFile,
     SharedFields,
 )
-from stplan.scene.format.file import GroupFile, MapFile, PairFile, SceneFile
-from stplan.scene.format.quantities import REFUSED_OPTIONS
+from stplan.scene.format.file import GroupFile, PairFile, SceneFile
 from stplan.scene.model import Agent, Scene, SeedingSettings, SolverSettings
-from stplan.scene.reading.faults import Fault, Hints
-from stplan.scene.reading.maps import compile_map
+from stplan.scene.reading.faults import Hints
 from stplan.scene.reading.merge import merged_agent
 from stplan.scene.reading.overlaps import overlap_faults
 from stplan.scene.reading.pair_rules import Placed, group_rules, meeting_faults, pair_rules
 from stplan.scene.reading.patterns import Listed, listed_agents, num_agents
+from stplan.schema.mapping import Fault
+from stplan.schema.quantities import REFUSED_OPTIONS
 
 _Model = TypeVar("_Model", bound=BaseModel)
 

@@ -14,12 +14,11 @@ from stplan.scene.format.agents import KINDS, AgentFile
 from stplan.scene.format.file import SceneFile
 from stplan.scene.model import located
 from stplan.scene.reading.yaml_tree import Tree
+from stplan.schema.mapping import Fault
 
 # Beyond these, looking for similar words costs more than it helps.
 MOST_HINTS = 100
 MOST_CHOICES = 2000
-
-Fault = tuple[str, str]
 
 _EXPECTED = {
     "greater_than": "more than {gt:g}",

@@ -31,6 +31,13 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
         SceneError: every fault of the file, each with line, column and path.
     """
     source = Path(path)
+    return parse_scene(
+        read_text(source), source=source, directory=source.parent, overrides=overrides
+    )
+
+
+def read_text(source: Path) -> str:
+    """What a scene file holds; raises SceneError where it cannot be read."""
     try:
         with source.open("rb") as file:
             content = file.read(LARGEST_FILE + 1)
@@ -42,13 +49,12 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     if len(content) > LARGEST_FILE:
         raise SceneError(f"{source}:1:1: the file is larger than {LARGEST_FILE // 2**20} MiB")
     try:
-        text = content.decode("utf-8-sig")
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         before = content[: error.start].decode("utf-8", "replace")
         line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
         message = f"the byte 0x{content[error.start]:02x} is not UTF-8; a YAML text is expected"
         raise SceneError(f"{source}:{line}:{column}: {message}") from error
-    return parse_scene(text, source=source, directory=source.parent, overrides=overrides)
 
 
 def parse_scene(

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from stplan.arrays import Point
 from stplan.scene.format.agents import AgentFile, SharedFields, WaypointFile
-from stplan.scene.model import Agent, Point, Visit, Weights
-from stplan.scene.reading.faults import Fault
+from stplan.scene.model import Agent, Visit, Weights
 from stplan.scene.reading.patterns import Listed
+from stplan.schema.mapping import Fault
 
 DEFAULT_RADIUS = 0.3
 DEFAULT_MASS = 1.0

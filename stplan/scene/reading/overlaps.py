@@ -8,7 +8,7 @@ from stplan.amounts import distinct
 from stplan.arrays import BoolArray, FloatArray
 from stplan.scene.interactions import PairSettings
 from stplan.scene.model import Scene
-from stplan.scene.reading.faults import Fault
+from stplan.schema.mapping import Fault
 
 # Rows of the matrix of pairs that are looked at together, so that 10 000 agents fit into memory.
 ROWS = 512

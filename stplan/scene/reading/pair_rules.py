@@ -12,7 +12,8 @@ from stplan.scene.format.file import GroupFile, MeetFile, PairFile, PairSettings
 from stplan.scene.interactions import PairSettings
 from stplan.scene.model import Meet, PairRule, Scene
 from stplan.scene.presence import present_until
-from stplan.scene.reading.faults import Fault, Hints
+from stplan.scene.reading.faults import Hints
+from stplan.schema.mapping import Fault
 
 # More meetings than this are a mistake: every one is a constraint of its own.
 MOST_MEETINGS = 10_000

@@ -12,6 +12,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from stplan.arrays import Point
 from stplan.scene.format.agents import (
     MOST_AGENTS,
     AgentFile,
@@ -23,8 +24,7 @@ from stplan.scene.format.agents import (
     SharedFields,
     WeightsFile,
 )
-from stplan.scene.model import Point
-from stplan.scene.reading.faults import Fault
+from stplan.schema.mapping import Fault
 
 LARGEST_TABLE = 16 * 1024 * 1024
 ENDS = ("id", "start_x", "start_y", "goal_x", "goal_y")

@@ -8,11 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from stplan.maps.obstacles import CircleObstacle, PolygonObstacle
+from stplan.maps.polygon import PolygonBase
 from stplan.scene import Agent, load_scene, parse_scene, scene_interactions
 from stplan.scene.model import (
-    CircleObstacle,
-    PolygonBase,
-    PolygonObstacle,
     SeedingSettings,
     SolverSettings,
     Weights,
@@ -250,7 +249,7 @@ def test_mesh(tmp_path):
     path = tmp_path / "a.yaml"
     path.write_text(scene_text(top="map: {mesh: maps/a.obj, up: y}"), encoding="utf-8")
     base = load_scene(path).map.base
-    assert (base.path, base.up) == (tmp_path / "maps" / "a.obj", "y")
+    assert (base.file.path, base.up) == (tmp_path / "maps" / "a.obj", "y")
 
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)

@@ -6,7 +6,10 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from stplan.scene.format.quantities import NotNull
+from stplan.schema.quantities import NotNull
+
+# A path of a file such as `agents[2].radius`, and what is wrong there.
+Fault = tuple[str, str]
 
 GIVEN = NotNull()
 

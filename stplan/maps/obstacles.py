@@ -1,0 +1,84 @@
+"""What is cut out of a map: rectangles, polygons, discs. Lengths in m."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from stplan.arrays import FloatArray, Point
+from stplan.maps.rings import rectangle_ring, simple_ring
+from stplan.schema.mapping import GIVEN, Fault, FileModel, key
+from stplan.schema.quantities import Point as PointKey
+from stplan.schema.quantities import Positive, Rectangle, Ring
+
+# Sides of the polygon that stands for a disc; it contains the disc, so nobody gets closer than asked.
+CIRCLE_SIDES = 64
+
+
+class CircleFile(FileModel):
+    """A disc."""
+
+    center: PointKey = Field(description="[x, y] in m")
+    radius: Positive = Field(description="radius, m")
+
+
+class ObstacleFile(FileModel):
+    """Exactly one shape, cut out of the map."""
+
+    rectangle: Annotated[Rectangle | None, GIVEN] = key("[xmin, ymin, xmax, ymax] in m")
+    polygon: Annotated[Ring | None, GIVEN] = key("[[x, y], ...] in m, a ring that is not closed")
+    circle: Annotated[CircleFile | None, GIVEN] = key("a disc")
+
+
+@dataclass(frozen=True)
+class PolygonObstacle:
+    """An area cut out of the base (a rectangle is four points)."""
+
+    ring: tuple[Point, ...]
+
+    def outline(self) -> FloatArray:
+        """(n, 2) corners."""
+        return np.array(self.ring)
+
+
+@dataclass(frozen=True)
+class CircleObstacle:
+    """A disc cut out of the base."""
+
+    center: Point
+    radius: float
+
+    def outline(self) -> FloatArray:
+        """(n, 2) corners of a polygon around the disc."""
+        angle = 2 * np.pi * np.arange(CIRCLE_SIDES) / CIRCLE_SIDES
+        reach = self.radius / np.cos(np.pi / CIRCLE_SIDES)
+        return np.array(self.center) + reach * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def compile_obstacle(
+    entry: ObstacleFile, path: str, faults: list[Fault]
+) -> PolygonObstacle | CircleObstacle:
+    """The obstacle; with new `faults` it must not be used."""
+    exactly_one(entry, ("rectangle", "polygon", "circle"), path, faults)
+    if entry.circle is not None:
+        x, y = entry.circle.center
+        return CircleObstacle((x, y), entry.circle.radius)
+    if entry.polygon is not None:
+        return PolygonObstacle(simple_ring(entry.polygon, f"{path}.polygon", faults))
+    corners = entry.rectangle or [0, 0, 1, 1]
+    return PolygonObstacle(rectangle_ring(corners, f"{path}.rectangle", faults))
+
+
+def exactly_one(
+    entry: FileModel, keys: tuple[str, ...], path: str, faults: list[Fault]
+) -> str | None:
+    """The one of `keys` that is given; a fault where there are none or several."""
+    given = [name for name in keys if getattr(entry, name) is not None]
+    if len(given) != 1:
+        *most, last = keys
+        found = " and ".join(given) or "none"
+        faults.append((path, f"has {found} of {', '.join(most)} and {last}; one is expected"))
+    return given[0] if given else None

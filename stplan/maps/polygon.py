@@ -1,0 +1,73 @@
+"""Maps written in the scene itself: an outer ring with holes, or a rectangle. Lengths in m."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from stplan.arrays import Point
+from stplan.maps.reader import Floor, MapBase, MapReader
+from stplan.maps.rings import rectangle_ring, simple_ring
+from stplan.schema.mapping import GIVEN, Fault, FileModel, key
+from stplan.schema.quantities import Rectangle, Ring
+
+
+class PolygonKeys(FileModel):
+    """A polygon as the map."""
+
+    polygon: Annotated[Ring | None, GIVEN] = key("base: an outer ring [[x, y], ...] in m")
+    holes: Annotated[list[Ring] | None, GIVEN] = key("rings in m, cut out of `polygon`")
+
+
+class RectangleKeys(FileModel):
+    """A rectangle as the map."""
+
+    rectangle: Annotated[Rectangle | None, GIVEN] = key("base: [xmin, ymin, xmax, ymax] in m")
+
+
+@dataclass(frozen=True)
+class PolygonBase(MapBase):
+    """An outer ring with holes (a rectangle is four points)."""
+
+    outer: tuple[Point, ...]
+    holes: tuple[tuple[Point, ...], ...] = ()
+
+    def floor(self) -> Floor:
+        """The ring's inside less its holes'."""
+        import shapely
+
+        return Floor(shapely.Polygon(self.outer, self.holes))
+
+
+def _polygon(entry: PolygonKeys, folder: Path, faults: list[Fault]) -> PolygonBase:
+    del folder
+    import shapely
+
+    before = len(faults)
+    base = PolygonBase(
+        simple_ring(entry.polygon or [], "map.polygon", faults),
+        tuple(
+            simple_ring(hole, f"map.holes[{k}]", faults) for k, hole in enumerate(entry.holes or [])
+        ),
+    )
+    if len(faults) == before and base.holes:
+        shape = shapely.Polygon(base.outer, base.holes)
+        if not shape.is_valid:
+            reason = shapely.is_valid_reason(shape)
+            faults.append(
+                ("map.holes", f"({reason}); holes inside the polygon, apart, are expected")
+            )
+    return base
+
+
+def _rectangle(entry: RectangleKeys, folder: Path, faults: list[Fault]) -> PolygonBase:
+    del folder
+    return PolygonBase(rectangle_ring(entry.rectangle or [0, 0, 1, 1], "map.rectangle", faults))
+
+
+POLYGON = MapReader(
+    "polygon", PolygonKeys, _polygon, "a polygon",
+    {"holes": "with other bases, obstacles do the same"},
+)  # fmt: skip
+RECTANGLE = MapReader("rectangle", RectangleKeys, _rectangle, "a rectangle")
