@@ -11,8 +11,8 @@ import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray
 from stplan.problem.planning_problem import PlanningProblem
-from stplan.problem.presence import present_until
 from stplan.problem.world_lines import WorldLines
+from stplan.scene.presence import present_until
 from stplan.world import FreeSpace
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from stplan.arrays import FloatArray
 from stplan.certify.pair_clearance import nearest_moments
 from stplan.problem.planning_problem import PlanningProblem
-from stplan.problem.presence import present_until
 from stplan.problem.world_lines import WorldLines
+from stplan.scene.presence import present_until
 
 
 @dataclass(frozen=True)

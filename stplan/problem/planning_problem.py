@@ -139,7 +139,7 @@ class PlanningProblem:
 
     def present_until(self, arrivals: FloatArray) -> FloatArray:
         """(A,) until when every agent is there, s, given when each arrives (A,)."""
-        return present_until(self.scene, arrivals)
+        return present_until(self.stays, arrivals, self.final_time)
 
     def rod(self, agent: int, curve: FloatArray) -> FloatArray:
         """The rod of `curve` in (x, y, c t), its tail included where the agent stays; m."""

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from stplan.arrays import FloatArray
-from stplan.scene.model import Scene
+from stplan.arrays import BoolArray, FloatArray
 
 
-def present_until(scene: Scene, arrivals: FloatArray) -> FloatArray:
-    """(A,) until when every agent of `scene` is there, s, given when each arrives (A,)."""
-    stays = np.array([agent.after_arrival == "stay" for agent in scene.agents], dtype=bool)
-    return np.where(stays, scene.final_time, arrivals)
+def present_until(stays: BoolArray, arrivals: FloatArray, final_time: float) -> FloatArray:
+    """(A,) until when every agent is there, s.
+
+    Args:
+        stays: (A,) whether it stands on its goal after it has arrived.
+        arrivals: (A,) when it arrives, s.
+        final_time: until when staying agents stand there, s.
+    """
+    return np.where(stays, final_time, arrivals)

@@ -20,10 +20,10 @@ from stplan.files.recorded import REPORT
 from stplan.files.run_folder import recorded_scene
 from stplan.files.trajectories import read_trajectories
 from stplan.problem.planning_problem import PlanningProblem
-from stplan.problem.presence import present_until
 from stplan.problem.world_lines import WorldLines
 from stplan.scene import load_scene
 from stplan.scene.model import Scene
+from stplan.scene.presence import present_until
 from stplan.world import FreeSpace, build_free_space
 
 _CURVES = ("trajectories.npz", "trajectories.csv", "seed.npz", "seed.csv")

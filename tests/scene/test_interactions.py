@@ -64,6 +64,6 @@ def test_a_pair_that_collides_again_cannot_meet_closer() -> None:
 
 def test_staying_agents_are_present_until_the_end() -> None:
     arrivals = np.linspace(1.0, 5.0, COUNT)
-    leaves = present_until(crowd(""), arrivals)
+    leaves = present_until(np.arange(COUNT) % 2 == 1, arrivals, 20.0)
     assert leaves[1::2].tolist() == [20.0] * (COUNT // 2)
     assert leaves[::2].tolist() == arrivals[::2].tolist()

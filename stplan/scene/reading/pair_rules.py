@@ -147,7 +147,9 @@ def meeting_faults(scene: Scene, paths: Sequence[str]) -> list[Fault]:
         return []
     settings = PairSettings(scene)
     starts = np.array([agent.start_time for agent in scene.agents])
-    ends = present_until(scene, np.array([agent.max_time for agent in scene.agents]))
+    stays = np.array([agent.after_arrival == "stay" for agent in scene.agents])
+    latest = np.array([agent.max_time for agent in scene.agents])
+    ends = present_until(stays, latest, scene.final_time)
     faults = []
     for path, rule in zip(paths, scene.pairs, strict=True):
         if rule.meet is None:
