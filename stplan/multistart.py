@@ -1,4 +1,4 @@
-"""Several starts: seeds of different homotopy classes, of which the cheapest is optimised.
+"""Multistart: seeds of different homotopy classes, of which the cheapest is optimised.
 
 An optimisation keeps the homotopy class of its seed (who passes whom on which side), and classes differ in
 cost by more than any option of the solver is worth. Among seeds that relaxation found, the cheapest seed
@@ -14,12 +14,14 @@ import numpy as np
 
 from stplan.analysis.metrics import turning
 from stplan.certify.pair_clearance import nearest_moments
+from stplan.compiled import working_time
 from stplan.errors import SeedingError
 from stplan.problem.kinetic import kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
-from stplan.seeding.portfolio import Seed, find_seed
+from stplan.seeding.portfolio import Seed, prepare_portfolio
+from stplan.seeding.seeder import Budget
 
 # `solver.starts: auto` makes so many starts for every pair an agent that would collide on straight ways:
 # each of them doubles the classes there are. It makes no more than that in all, and fewer the more pairs of
@@ -32,17 +34,21 @@ RELAXED_PAIRS = 15_000
 def best_seed(problem: PlanningProblem, *, progress: Callable[[str], None]) -> Seed:
     """The cheapest of `solver.starts` seeds, found with `seeding.rng_seed` and the numbers after it.
 
+    Each may take `seeding.time_limit`.
+
     Raises:
         SeedingError: the first start found none.
     """
-    scene = problem.scene
-    best = find_seed(problem, progress=progress)
+    scene, settings = problem.scene, problem.scene.seeding
+    deadline = working_time() + settings.time_limit
+    portfolio = prepare_portfolio(problem)
+    best = portfolio.find(Budget(settings.rng_seed, deadline, progress))
     starts = scene.solver.starts or _worthwhile_starts(problem, best)
     least, chosen = own_cost(scene, best.world_lines), 0
     for start in range(1, starts):
-        settings = replace(scene.seeding, rng_seed=scene.seeding.rng_seed + start)
+        deadline = working_time() + settings.time_limit
         try:
-            seed = find_seed(problem, progress=lambda line: None, settings=settings)
+            seed = portfolio.find(Budget(settings.rng_seed + start, deadline))
         except SeedingError:
             continue
         cost = own_cost(scene, seed.world_lines)

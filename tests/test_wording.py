@@ -1,10 +1,96 @@
-"""Lengths, places and lists as one says them."""
+"""Lengths, places and lists as one says them; reasons in words, which claim no more than is proven."""
 
 from __future__ import annotations
 
+import pickle
+from typing import get_args
+
 import pytest
 
-from stplan.wording import at, count, metres, names
+from stplan.errors import SeedingError
+from stplan.reasons import Kind, Reason
+from stplan.wording import at, count, headline, in_words, metres, names, sentence, sentences
+
+# Figures of every kind, as the seeders fill them in.
+FIGURES: dict[str, dict[str, float]] = {
+    "start": {"distance": 0.5, "required": 0.6},
+    "goal": {"distance": 0.5, "required": 0.6},
+    "not connected": {"stops": 2, "widest": 0.25, "radius": 0.3},
+    "limits of time": {"latest": 20.0, "earliest": 25.5, "length": 9.0, "speed": 0.4},
+    "limit of acceleration": {"latest": 20.0, "length": 9.0, "acceleration": 0.04},
+    "roadmap": {"margin": 1.05},
+    "mesh": {"margin": 1.05},
+    "layers": {"layers": 4},
+    "order": {"orders": 7},
+    "blocked": {"vertices": 125},
+    "time limit": {"limit": 60.0},
+    "unprepared": {"limit": 60.0},
+}
+
+
+def reason(kind: str, *agents: str, proven: bool = False) -> Reason:
+    return Reason(kind, agents, proven, figures=FIGURES.get(kind, {}))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("kind", get_args(Kind))
+def test_every_kind_has_a_sentence_with_its_agents_and_figures(kind: str) -> None:
+    said = sentence(reason(kind, "sam", "ann"))
+    assert said == said.strip()
+    assert "sam and ann" in said or kind in ("time limit", "unprepared")
+    shown = [figure for name, figure in FIGURES.get(kind, {}).items() if name != "stops"]
+    assert all(f"{figure:g}" in said for figure in shown)
+
+
+def test_what_was_not_found_is_not_said_to_be_impossible() -> None:
+    proven, limit = (
+        reason("goal", "a", "b", proven=True),
+        reason("limits of time", "a", proven=True),
+    )
+    open_ones = [reason("layers", "a"), reason("time limit")]
+    assert headline([proven]) == "no collision-free curves exist"
+    assert headline([limit]) == "no curves keep the limits of the scene"
+    assert headline([proven, limit]) == "no collision-free curves exist"
+    assert headline([proven, *open_ones]) == "no collision-free initial curves"
+    assert headline(open_ones) == "no collision-free initial curves"
+    assert "not found within the limit" in sentence(open_ones[0])
+
+
+def test_the_same_is_said_once() -> None:
+    twice = [reason("layers", "a"), reason("layers", "b"), reason("layers", "a")]
+    assert len(sentences(twice)) == 2
+    assert in_words(twice).splitlines() == [
+        f"no collision-free initial curves: {sentence(twice[0])}",
+        f"  {sentence(twice[1])}",
+    ]
+
+
+def test_places_and_times_are_told_where_they_are_known() -> None:
+    near = Reason("touching", ("a", "b"), place=(1.0, 2.5), times=(3.0, 4.0))
+    assert "a and b still block each other near (1.00, 2.50) at 3.0 to 4.0 s" in sentence(near)
+    many = Reason("touching", ("a", "b", "c"), figures={"pairs": 7})
+    assert "7 pairs of 3 agents touch" in sentence(many)
+    early = Reason("start", ("a", "b"), True, times=(0.0, 1.0), figures=FIGURES["start"])
+    assert "a larger one keeps their times further apart" in sentence(early)
+    assert "time_scale" not in sentence(reason("start", "a", "b"))
+
+
+def test_waypoints_and_speeds_are_told_where_they_matter() -> None:
+    late = {"latest": 5.0, "earliest": 6.0, "length": 4.0}
+    visit = Reason("limits of time", ("a",), True, figures={**late, "waypoint": 2, "speed": 1.5})
+    assert "have visited waypoint 2 by 5 s" in sentence(visit)
+    assert "at 1.5 m/s that takes until 6 s" in sentence(visit)
+    dwells = Reason("limits of time", ("a",), True, figures=late)
+    assert "reach its goal by 5 s" in sentence(dwells)
+    assert "m/s" not in sentence(dwells)
+
+
+def test_an_error_keeps_its_reasons_in_another_process() -> None:
+    error = SeedingError([reason("goal", "a", "b", proven=True)])
+    again = pickle.loads(pickle.dumps(error))
+    assert again.reasons == error.reasons
+    assert str(again) == str(error) == in_words(error.reasons)
+    assert str(pickle.loads(pickle.dumps(SeedingError("too tight")))) == "too tight"
+    assert SeedingError("too tight").reasons == ()
 
 
 @pytest.mark.parametrize(

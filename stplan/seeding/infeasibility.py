@@ -13,7 +13,6 @@ from stplan.geometry.rod_distances import rod_distance
 from stplan.geometry.segments import closest_parameters
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.reasons import Kind, Reason
-from stplan.seeding.search.planner import LayeredPlanner
 from stplan.world import cut_off_agents, widest_passage
 
 # So many touching pairs are described.
@@ -137,14 +136,15 @@ def too_few_layers(
     )
 
 
-def no_way_past(planner: LayeredPlanner, group: Sequence[int]) -> tuple[Reason, ...]:
-    """However the `group` moves, its members cannot get past each other on the roadmap."""
-    problem = planner.problem
+def no_way_past(
+    problem: PlanningProblem, group: Sequence[int], num_vertices: int
+) -> tuple[Reason, ...]:
+    """However the `group` moves, its members cannot get past each other on a roadmap of so many vertices."""
     reason = Reason(
         "blocked",
         _ids(problem, group),
         place=_point(problem.starts[group[0]]),
-        figures={"vertices": planner.graph.num_vertices},
+        figures={"vertices": num_vertices},
     )
     return (reason,)
 

@@ -11,15 +11,10 @@ import shapely
 from stplan.arrays import FloatArray
 from stplan.geometry.rod_distances import rod_distance
 from stplan.geometry.segments import squared_distance
-from stplan.problem.clearance import (
-    crosses_boundary,
-    held_requirement,
-    requirement,
-    rod_clearances,
-    verify,
-    wall_clearance,
-)
+from stplan.problem.clearance import crosses_boundary, rod_clearances, wall_clearance
 from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.requirement import held_requirement, requirement
+from stplan.problem.verification import verify
 from stplan.scene.model import PairRule, Weights
 from stplan.seeding.elastic_bands.band_neighbours import near_rows
 from stplan.seeding.shortcutting.rod_field import build_field, segment_clear
@@ -92,7 +87,8 @@ def test_rod_clearances_find_every_near_pair() -> None:
             if (a, b) in near:
                 assert near[a, b] == pytest.approx(gap)
                 assert ((a, b) in [pair[:2] for pair in found.violations]) == (ratios[-1] <= 1)
-    assert found.worst == pytest.approx(min(ratios))
+    nearest = found.distance / problem.distance[tuple(found.pairs.T)]
+    assert nearest.min() == pytest.approx(min(ratios))
     assert len(near) > 3
 
 
@@ -173,10 +169,10 @@ def test_a_held_requirement_never_asks_for_more_than_the_curves_have() -> None:
     ]
     problem = PlanningProblem.from_scene(scene(agents), None)
     gap = rod_clearances(problem, curves).distance[0]
-    held = held_requirement(problem, curves, 1.05)
+    held = held_requirement(problem, curves, requirement(problem, 1.05))
     assert held.rods[0, 1] == pytest.approx(1 + 0.9 * (gap - 1))
     assert verify(problem, curves, held) == []
-    assert verify(problem, curves, 1.05) != []
+    assert verify(problem, curves, requirement(problem, 1.05)) != []
 
 
 def test_walls_are_met_on_segments_and_only_by_those_who_heed_them() -> None:
@@ -213,7 +209,7 @@ def test_verify_names_what_is_wrong() -> None:
         for place, value in edits.items():
             row, column = place[1:].split("_")
             curve[int(row), int(column)] = value
-        return "; ".join(verify(problem, [curve, path]))
+        return "; ".join(map(str, verify(problem, [curve, path])))
 
     assert "start" in faults(k0_0=1e-12)
     assert "start" in faults(k0_2=0.5)
@@ -224,10 +220,11 @@ def test_verify_names_what_is_wrong() -> None:
     assert "waypoint 2" in faults(good[[0, 2, 1, 3]] * [1, 1, 0] + good * [0, 0, 1])
     assert "finite" in faults(k1_1=np.nan)
     assert "finite" in faults(good[:1])
-    assert "path" in "; ".join(
-        verify(problem, [good, path + np.array([[0, 0, 0], [0, 1, 0], [0, 0, 0]])])
-    )
-    assert "1 curves for 2" in "; ".join(verify(problem, [good]))
+    astray = path + np.array([[0, 0, 0], [0, 1, 0], [0, 0, 0]])
+    (fault,) = verify(problem, [good, astray])
+    assert fault.agents == ("p",)
+    assert "path" in str(fault)
+    assert "1 curves for 2" in str(verify(problem, [good])[0])
 
 
 def test_the_index_answers_like_brute_force() -> None:

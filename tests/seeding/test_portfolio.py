@@ -2,26 +2,41 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import get_args, get_type_hints
 
 import numpy as np
 import pytest
 
 from stplan.errors import SeedingError
-from stplan.problem.clearance import verify
 from stplan.problem.kinetic import total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.requirement import held_requirement, requirement
+from stplan.problem.verification import verify
 from stplan.scene import parse_scene
-from stplan.scene.model import Scene
-from stplan.seeding.elastic_bands.tightening import smooth_curves
-from stplan.seeding.portfolio import Seed, find_seed
-from stplan.seeding.search.schedule import search_curves
-from stplan.seeding.shortcutting.shortcuts import polish
+from stplan.scene.model import Scene, SeedingSettings
+from stplan.seeding.elastic_bands.tightening import tighten
+from stplan.seeding.portfolio import AUTO, Seed, find_seed, prepare_portfolio
+from stplan.seeding.registry import SEEDERS
+from stplan.seeding.search.levels import Levels
+from stplan.seeding.search.schedule import Search
+from stplan.seeding.seeder import Attempt, Budget
+from stplan.seeding.shortcutting.shortcuts import take_shortcuts
 from stplan.world import build_free_space
 from tests.seeding.families import circle
-from tests.seeding.tight_families import door, make_scene, rectangle
+from tests.seeding.tight_families import budget_of, door, make_scene, rectangle
 
 ROOM = rectangle(0, 0, 8, 6)
+
+
+@dataclass(frozen=True)
+class Given:
+    """A seeder that finds what it is given."""
+
+    found: Attempt
+
+    def attempt(self, budget: Budget) -> Attempt:
+        return self.found
 
 
 def problem_of(scene: Scene) -> PlanningProblem:
@@ -102,29 +117,27 @@ def test_what_search_found_is_relaxed() -> None:
     for draw in range(3):
         scene = door(np.random.default_rng(draw), per_side=4)
         problem = problem_of(scene)
-        found = search_curves(problem, settings=scene.seeding)
-        assert found.curves is not None
-        smooth = smooth_curves(problem, found.curves, margin=1.05, rng_seed=0, check=lambda: None)
-        assert verify(problem, smooth) == []
-        polished = polish(problem, found.curves)
-        parts.append(
-            total_kinetic_cost(problem.masses, smooth)
-            / total_kinetic_cost(problem.masses, polished)
-        )
+        required = requirement(problem, 1.05)
+        found = Search(Levels(problem)).attempt(budget_of(scene))
+        assert found.clear
+        tight = tighten(problem, found.curves, required)
+        assert verify(problem, tight) == []
+        held = held_requirement(problem, found.curves, required)
+        shortened = take_shortcuts(problem, found.curves, held)
+        after, before = (total_kinetic_cost(problem.masses, c) for c in (tight, shortened))
+        parts.append(after / before)
     assert max(parts) <= 1.0
     assert min(parts) < 0.97
 
 
-def test_what_a_check_raises_ends_the_work() -> None:
-    scene = circle(4, 8.0, 20.0)
-    problem = PlanningProblem.from_scene(scene, None)
-    curves = [np.array([[*one.start, 0.0], [*one.goal, 20.0]]) for one in scene.agents]
-
-    def check() -> None:
-        raise SeedingError("enough")
-
-    with pytest.raises(SeedingError, match="enough"):
-        smooth_curves(problem, curves, margin=1.05, rng_seed=0, check=check)
+def test_what_cannot_be_prepared_in_time_is_no_seed() -> None:
+    problem = problem_of(circle(4, 8.0, 20.0))
+    found = prepare_portfolio(problem).seeders[0].attempt(Budget())
+    assert found.clear
+    late = replace(prepare_portfolio(problem), seeders=(Given(found),))
+    with pytest.raises(SeedingError, match="not shortened and given their knots within 60 s"):
+        late.find(Budget(deadline=-1e9))
+    assert late.find(Budget()).found_by == "relaxation"
 
 
 def test_a_map_far_wider_than_the_ways_is_seeded_like_its_middle() -> None:
@@ -139,3 +152,17 @@ def test_a_map_far_wider_than_the_ways_is_seeded_like_its_middle() -> None:
         for size in (5e2, 5e8)
     ]
     assert np.array_equal(*found)
+
+
+def test_the_scene_format_names_the_seeders_there_are() -> None:
+    assert set(get_args(get_type_hints(SeedingSettings)["method"])) == {AUTO, *SEEDERS}
+    assert all(
+        name == seeder(problem_of(circle(2, 8.0, 20.0))).name for name, seeder in SEEDERS.items()
+    )
+
+
+def test_prescribed_paths_alone_need_no_seeding_in_any_map() -> None:
+    tram = "agents: [{id: tram, path: [[1, 1, 0], [8, 1, 20]]}]\n"
+    world = "map: {rectangle: [0, 0, 10, 6]}\n"
+    found = seed(parse_scene(f"stplan: 1\nhorizon: 20\n{world}{tram}"))
+    assert found.world_lines.knots.tolist() == [[1.0, 1.0, 0.0], [8.0, 1.0, 20.0]]

@@ -25,14 +25,19 @@ from stplan.bench.families_tight import (
     scattered,
     warehouse,
 )
-from stplan.problem.clearance import verify
+from stplan.compiled import working_time
 from stplan.problem.planning_problem import PlanningProblem
-from stplan.seeding.search.schedule import search_curves
+from stplan.problem.verification import verify
+from stplan.scene.model import Scene
+from stplan.seeding.search.levels import Levels
+from stplan.seeding.search.schedule import Search
+from stplan.seeding.seeder import Budget
 from stplan.world import build_free_space
 
 __all__ = [
     "FAMILIES",
     "RADIUS",
+    "budget_of",
     "cabin",
     "corridor_with_pocket",
     "door",
@@ -46,6 +51,12 @@ __all__ = [
 ]
 
 
+def budget_of(scene: Scene) -> Budget:
+    """What the settings of a scene allow an attempt that begins now."""
+    settings = scene.seeding
+    return Budget(settings.rng_seed, working_time() + settings.time_limit)
+
+
 def measure(family: str, count: int, first_seed: int = 1000) -> str:
     """One line: how many of `count` members are solved, processor seconds, by which part."""
     seconds: list[float] = []
@@ -55,14 +66,14 @@ def measure(family: str, count: int, first_seed: int = 1000) -> str:
         scene = FAMILIES[family](np.random.default_rng(seed))
         problem = PlanningProblem.from_scene(scene, build_free_space(scene))
         begin = time.process_time()
-        result = search_curves(problem, settings=scene.seeding)
+        result = Search(Levels(problem)).attempt(budget_of(scene))
         if seed < first_seed:
             # The first one only warms up.
             continue
         seconds.append(time.process_time() - begin)
         if result.curves is not None and not verify(problem, result.curves):
             solved += 1
-            parts[result.part] += 1
+            parts[result.found_by] += 1
     times = ", ".join(f"{np.quantile(seconds, share):.3f}" for share in (0.5, 0.9, 1.0))
     by = ", ".join(f"{part} {number}" for part, number in parts.most_common())
     return f"{family:15s} {solved:3d}/{count}  median, 90 %, most: {times} s  ({by})"

@@ -13,8 +13,9 @@ from itertools import pairwise
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
-from stplan.problem.clearance import PLACE_TOLERANCE, crosses_boundary
+from stplan.problem.clearance import crosses_boundary
 from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.verification import PLACE_TOLERANCE
 from stplan.seeding.elastic_bands.block_tridiagonal import FIXED, FREE, PINNED
 from stplan.seeding.shortcutting.resampling import resample_curve
 

@@ -16,13 +16,14 @@ from scipy.sparse.csgraph import dijkstra
 from stplan.arrays import FloatArray, IntArray
 from stplan.geometry.boundary_grid import BoundaryGrid
 from stplan.geometry.rod_distances import grid_arrays, shortest_shortcut
-from stplan.problem.clearance import requirement
 from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.requirement import requirement
+from stplan.seeding.margins import margin_ladder
 from stplan.seeding.search.graph import Graph
 from stplan.seeding.search.roadmap import build_roadmap
 
-# Clearances tried, in radii: the widest that leaves a way keeps the string off the walls.
-MARGINS = (1.05, 1.02, 1.005, 1.001)
+# Clearance tried first, in radii: the widest margin that leaves a way keeps the band off the walls.
+WIDEST_MARGIN = 1.05
 PULLS = 3
 # A taut way is cut to so many pieces at least before it is pulled again.
 PIECES = 24
@@ -31,8 +32,8 @@ PIECES = 24
 def geodesic_curves(problem: PlanningProblem) -> list[FloatArray | None]:
     """One (n, 3) curve an agent from its start time to the time it would like to arrive.
 
-    None where an agent's stops are not connected at its radius. Agents that move as told keep
-    their paths; those that ignore walls, and all in the open plane, go straight.
+    None where an agent's stops are not connected at its radius. Prescribed paths are
+    kept; agents that ignore walls, and all in the open plane, go straight.
     """
     ways = _geodesics(problem)
     curves: list[FloatArray | None] = []
@@ -48,7 +49,7 @@ def geodesic_curves(problem: PlanningProblem) -> list[FloatArray | None]:
 
 
 def _geodesics(problem: PlanningProblem) -> list[FloatArray | None]:
-    """Plane polylines (n, 2), None where there is no way (or a given path)."""
+    """Plane polylines (n, 2), None where there is no way (or a prescribed path)."""
     stops, free_space = problem.stops, problem.free_space
     ways: list[FloatArray | None] = [
         points if len(points) and (free_space is None or not problem.heeds_walls[agent]) else None
@@ -58,7 +59,7 @@ def _geodesics(problem: PlanningProblem) -> list[FloatArray | None]:
     boundary = problem.boundary
     if free_space is None or boundary is None:
         return ways
-    for margin in MARGINS:
+    for margin in margin_ladder(WIDEST_MARGIN):
         if not todo:
             break
         walls = requirement(problem, margin).walls

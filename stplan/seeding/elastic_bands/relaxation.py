@@ -1,8 +1,8 @@
-"""Relaxation: elastic strings in space-time, pushed apart until all rods are clear.
+"""Relaxation: elastic bands in space-time, pushed apart until all rods are clear.
 
 In (x, y, c t) straight lines of constant speed hardly ever meet, so they are where every agent
 starts from (or from the geodesics it is given where there are walls), each with a small seeded
-bow. Contact springs then push rods apart at full distance while the strings' tension, high at
+bow. Contact springs then push rods apart at full distance while the bands' tension, high at
 first, decays: high tension parts tangles as a whole, low tension lets the last ones give way.
 There is no search and there are no priorities. Single-lane deadlocks are beyond it.
 """
@@ -10,18 +10,23 @@ There is no search and there are no priorities. Single-lane deadlocks are beyond
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
-from stplan.compiled import working_time
-from stplan.problem.clearance import Requirement, requirement, verify, wall_clearance
+from stplan.problem.clearance import wall_clearance
 from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.requirement import Requirement
+from stplan.problem.verification import verify
 from stplan.seeding.elastic_bands.band_neighbours import near_rows, tight_pairs
 from stplan.seeding.elastic_bands.bands import Strings, initial_curves, may_slide
 from stplan.seeding.elastic_bands.sweeps import string_crosses, sweep_strings
+from stplan.seeding.seeder import Attempt, SeedRecord
 
+NAME = "relaxation"
+# Knots of a band while it relaxes, and sweeps at most.
+RELAXATION_KNOTS = 40
+MOST_SWEEPS = 4000
 # Springs aim this much beyond what is required, so that they get there in finite time.
 AIM = 1.015
 # Tension starts high, the higher the more of their ways agents touch somebody at first; it is held for
@@ -40,15 +45,13 @@ FASTEST_PACE = 5.0
 PLAIN_PACE_CONTACTS = 6.0
 # Agents that touch nobody are left alone after so many sweeps.
 IDLE_SWEEPS = 20
-# Look for success this often; without progress for so long, pull the stuck strings tight again.
+# Look for success this often; without progress for so long, pull the stuck bands tight again.
 CHECK_EVERY = 4
 PATIENCE = 80
-# A re-tensioned string is knocked aside by about this many radii.
+# A re-tensioned band is knocked aside by about this many radii.
 KNOCK = 1.5
 # The least part of a contact that a heavy agent answers for.
 LEAST_SHARE = 0.1
-
-
 # Neighbours are listed within a skin of so many radii, more of them where lists last for less than
 # SOON sweeps, fewer where they last for more than LATE.
 SKINS = (0.7, 2.0)
@@ -56,69 +59,44 @@ SKIN_STEP = 1.4
 SOON, LATE = 2, 5
 
 
-@dataclass(frozen=True)
-class RelaxationResult:
-    """What came of it.
-
-    Attributes:
-        curves: one (n, 3) curve an agent in (x, y, t), clear if solved.
-        solved: proven clear with the margin asked for (see `rods.requirement`).
-        sweeps: how many were made.
-        stuck: pairs of agents that are still too near.
-        retensions: how often stuck strings were pulled tight again.
-    """
-
-    curves: list[FloatArray]
-    solved: bool
-    sweeps: int
-    stuck: list[tuple[int, int]]
-    retensions: int
-
-
 def relax(
     problem: PlanningProblem,
+    required: Requirement,
     initial: Sequence[FloatArray] | None = None,
     *,
-    num_knots: int = 30,
-    margin: float = 1.05,
-    time_limit: float = 60.0,
+    num_knots: int = RELAXATION_KNOTS,
     rng_seed: int = 0,
-    max_sweeps: int = 2000,
-    check: Callable[[], None] = lambda: None,
-) -> RelaxationResult:
-    """Push rods apart until they are clear, or until the sweeps or the time (s) are used up.
+    max_sweeps: int = MOST_SWEEPS,
+    stopped: Callable[[], bool] = lambda: False,
+) -> Attempt:
+    """Push rods apart until they hold what is `required`, until the sweeps are used up, or until `stopped`.
 
     `initial` curves (n, 3) must not cross walls and have to pass the waypoints; without them the
-    strings start straight. The result depends on time only when `time_limit` strikes. `check` is called
-    every sweep; what it raises ends the work.
+    bands start straight.
     """
-    deadline = working_time() + time_limit
     rng = np.random.default_rng(rng_seed)
     curves = initial_curves(problem, initial, num_knots, rng)
-    relaxation = _Relaxation(problem, curves, _wanted(problem, curves, margin), rng)
-    sweeps = 0
-    stuck: list[tuple[int, int]] = []
-    while sweeps < max_sweeps:
-        check()
+    relaxation = _Relaxation(problem, curves, _attainable(problem, curves, required), rng)
+    touching: list[tuple[int, int]] = []
+    clear = False
+    while not clear and relaxation.sweeps < max_sweeps:
         relaxation.sweep()
-        sweeps += 1
-        if sweeps % CHECK_EVERY == 0:
-            stuck = relaxation.stuck_pairs()
-            if not stuck:
-                found = relaxation.strings.curves(problem)
-                if not verify(problem, found, relaxation.required):
-                    return RelaxationResult(found, True, sweeps, [], relaxation.retensions)
-            relaxation.retension_if_stuck(stuck)
-        if working_time() > deadline:
+        if relaxation.sweeps % CHECK_EVERY == 0:
+            touching = relaxation.stuck_pairs()
+            clear = not touching and relaxation.verified()
+            if not clear:
+                relaxation.retension_if_stuck(touching)
+        if stopped():
             break
-    return RelaxationResult(
-        relaxation.strings.curves(problem), False, sweeps, stuck, relaxation.retensions
-    )
+    record = SeedRecord(sweeps=relaxation.sweeps, retensions=relaxation.retensions)
+    found = relaxation.strings.curves(problem)
+    return Attempt(NAME, found, clear=clear, record=record, touching=tuple(touching))
 
 
-def _wanted(problem: PlanningProblem, curves: Sequence[FloatArray], margin: float) -> Requirement:
-    """The requirement, with no more room to walls than half of what the first curves have."""
-    required = requirement(problem, margin)
+def _attainable(
+    problem: PlanningProblem, curves: Sequence[FloatArray], required: Requirement
+) -> Requirement:
+    """What is `required`, with no more room to walls than half of what the first curves have."""
     walls = required.walls.copy()
     for agent, curve in enumerate(curves):
         radius = float(problem.radii[agent])
@@ -161,6 +139,10 @@ class _Relaxation:
         self._list_neighbours()
         self.guarded = self._clear_of_walls()
         self.tension = float(np.clip(TENSION_CROWDED * self._crowding(), TENSION, MOST_TENSION))
+
+    def verified(self) -> bool:
+        """Whether the curves are proven to hold what is required."""
+        return not verify(self.problem, self.strings.curves(self.problem), self.required)
 
     def sweep(self) -> None:
         """One sweep in random order; neighbours are listed anew when somebody has moved far."""

@@ -1,46 +1,46 @@
 """Curves that search found, relaxed: it sends agents round and makes them queue more than it has to.
 
-Polished curves are pulled tight and pushed apart again; the result is taken where it is clear and costs
-less.
+Shortened curves are pulled tight as elastic bands and pushed apart again; the result is taken where it is
+clear and costs less.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-import numpy as np
-
 from stplan.arrays import FloatArray
 from stplan.problem.kinetic import total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.requirement import Requirement, held_requirement
 from stplan.seeding.elastic_bands.relaxation import relax
-from stplan.seeding.shortcutting.shortcuts import polish
+from stplan.seeding.shortcutting.shortcuts import take_shortcuts
 
-SMOOTHING_KNOTS = 60
-SMOOTHING_SWEEPS = 160
+TIGHTENING_KNOTS = 60
+TIGHTENING_SWEEPS = 160
 
 
-def smooth_curves(
+def tighten(
     problem: PlanningProblem,
     curves: Sequence[FloatArray],
+    required: Requirement,
     *,
-    margin: float,
-    rng_seed: int,
-    check: Callable[[], None],
+    rng_seed: int = 0,
+    stopped: Callable[[], bool] = lambda: False,
 ) -> list[FloatArray]:
-    """Clear curves at most as dear as the polished `curves`; `check` is called now and then."""
-    polished = polish(problem, curves, margin=margin, rng_seed=rng_seed, check=check)
-    result = relax(
+    """Clear curves at most as dear as the shortened `curves`; once `stopped`, as far as they have come.
+
+    Curves that hold less than what is `required` need not hold more than they do.
+    """
+    held = held_requirement(problem, curves, required)
+    shortened = take_shortcuts(problem, curves, held, rng_seed=rng_seed, stopped=stopped)
+    found = relax(
         problem,
-        polished,
-        num_knots=SMOOTHING_KNOTS,
-        margin=margin,
-        time_limit=np.inf,
+        required,
+        shortened,
+        num_knots=TIGHTENING_KNOTS,
         rng_seed=rng_seed,
-        max_sweeps=SMOOTHING_SWEEPS,
-        check=check,
+        max_sweeps=TIGHTENING_SWEEPS,
+        stopped=stopped,
     )
-    relaxed, before = (total_kinetic_cost(problem.masses, own) for own in (result.curves, polished))
-    if result.solved and relaxed < before:
-        return result.curves
-    return polished
+    relaxed, before = (total_kinetic_cost(problem.masses, own) for own in (found.curves, shortened))
+    return found.curves if found.clear and relaxed < before else shortened

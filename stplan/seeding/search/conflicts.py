@@ -10,8 +10,9 @@ from stplan.arrays import BoolArray, FloatArray
 from stplan.geometry.rod_distances import rod_distance
 from stplan.seeding.search.planner import NO_BLOCKS, Blocks, LayeredPlanner
 
-# Rods that are exactly as far apart as required count as touching, whatever the rounding.
-TOUCHING = 1.0 + 2e-9
+# Rods that are exactly as far apart as required count as touching, whatever the rounding: a little further
+# than where verification calls them clear, a little less far than reservations keep them off.
+CONFLICTING = 1.0 + 2e-9
 
 
 class CurveSet:
@@ -65,7 +66,7 @@ class CurveSet:
             for other in self._near(agent, 1.0):
                 required = float(self.planner.required.rods[agent, other])
                 gap = rod_distance(self._rods[agent], self._rods[other], 1.01 * required)
-                self.conflicts[agent, other] = gap <= required * TOUCHING
+                self.conflicts[agent, other] = gap <= required * CONFLICTING
         self.conflicts[:, agent] = self.conflicts[agent]
 
     def nearest(self, agent: int, count: int, reach: float) -> list[int]:

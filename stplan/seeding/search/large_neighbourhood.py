@@ -1,4 +1,4 @@
-"""Repair of neighbourhoods: curves that still touch, replanned a few agents at a time.
+"""Large-neighbourhood search: curves that still touch, replanned a few agents at a time.
 
 All agents have a curve, some pairs touch. Again and again one touching agent, those it touches and
 some that pass nearby are taken out and replanned in random order among all the others, some held
@@ -10,7 +10,6 @@ also when a few more do.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,6 +17,9 @@ from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.seeding.search.conflicts import CurveSet
 from stplan.seeding.search.layered_dijkstra import space_time_length
 from stplan.seeding.search.planner import LayeredPlanner
+from stplan.seeding.seeder import Attempt
+
+NAME = "repair"
 
 LARGEST_NEIGHBOURHOOD = 8
 # A neighbour passes within so many times the required distance.
@@ -26,23 +28,6 @@ NEARBY = 6.0
 PENALTIES = (20.0, 50.0, 200.0)
 # One more touching pair is accepted with this probability, two with its square.
 ACCEPT_WORSE = 0.04
-
-
-@dataclass(frozen=True)
-class Repaired:
-    """What repair reached.
-
-    Attributes:
-        curves: one (n, 3) curve an agent, clear if `conflicts` is 0.
-        conflicts: pairs that still touch.
-        iterations: neighbourhoods replanned.
-        touching: the pairs that still touch.
-    """
-
-    curves: list[FloatArray]
-    conflicts: int
-    iterations: int
-    touching: list[tuple[int, int]]
 
 
 def first_curves(
@@ -78,13 +63,13 @@ def _least_touching(
     return planner.cheapest_path(agent, cost, penalty * float(cost.mean()))
 
 
-def repair(
+def replan_neighbourhoods(
     planner: LayeredPlanner,
     curves: Sequence[FloatArray],
     rng: np.random.Generator,
     max_iterations: int,
     stopped: Callable[[], bool],
-) -> Repaired:
+) -> Attempt:
     """Replan neighbourhoods of `curves` until no pair touches, or a limit is hit."""
     planner.reset()
     state = CurveSet(planner)
@@ -111,8 +96,9 @@ def repair(
             state = before
         elif state.num_conflicts < best.num_conflicts:
             best = state.copy()
-    pairs = [(int(a), int(b)) for a, b in np.argwhere(np.triu(best.conflicts))]
-    return Repaired(best.all_curves(), best.num_conflicts, iterations, pairs)
+    pairs = tuple((int(a), int(b)) for a, b in np.argwhere(np.triu(best.conflicts)))
+    found = Attempt(NAME, best.all_curves(), clear=not pairs, touching=pairs)
+    return found.counting(iterations)
 
 
 def _neighbourhood(state: CurveSet, movable: BoolArray, rng: np.random.Generator) -> list[int]:

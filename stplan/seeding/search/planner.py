@@ -11,8 +11,8 @@ import math
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
-from stplan.problem.clearance import Requirement
 from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.requirement import Requirement
 from stplan.seeding.search.graph import UNREACHABLE, Graph, shortest_way
 from stplan.seeding.search.layered_dijkstra import cheapest_path
 from stplan.seeding.search.reservations import (

@@ -8,30 +8,17 @@ first in the next order, until everyone has been first; then orders are random.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.seeding.search.planner import LayeredPlanner
+from stplan.seeding.seeder import Attempt
+
+NAME = "prioritized"
 
 # Starts of agents not yet planned stay reserved for so many layers, in two tries of three.
 GUARD_LAYERS = 2
-
-
-@dataclass(frozen=True)
-class Prioritized:
-    """What prioritised planning found.
-
-    Attributes:
-        curves: one (n, 3) curve an agent, or None.
-        tries: orders tried.
-        failures: (A,) how often each agent found no way.
-    """
-
-    curves: list[FloatArray] | None
-    tries: int
-    failures: IntArray
 
 
 def plan_in_order(
@@ -81,23 +68,21 @@ def plan_prioritized(
     rng: np.random.Generator,
     max_tries: int,
     stopped: Callable[[], bool],
-) -> Prioritized:
+) -> Attempt:
     """Try up to `max_tries` orders, longest ways first, then bumped, random and held ones."""
     movers = planner.movers
-    failures = np.zeros(planner.problem.num_agents, dtype=np.int64)
     order = sorted(movers, key=lambda agent: -int(planner.journeys.distance[agent]))
     bumps = 0
     for attempt in range(max_tries):
         if attempt > 0 and stopped():
-            return Prioritized(None, attempt, failures)
+            return Attempt(NAME).counting(attempt)
         holds = np.zeros(planner.problem.num_agents, dtype=np.int64)
         if attempt > min(2 * len(movers), 12) and rng.random() < 0.6:
             holds = random_holds(planner, rng, max(1, len(movers) // 3))
         guard = GUARD_LAYERS if attempt % 3 != 2 else 0
         curves, failed = plan_in_order(planner, order, holds, guard, stopped)
         if curves is not None:
-            return Prioritized(curves, attempt + 1, failures)
-        failures[failed] += 1
+            return Attempt(NAME, curves, clear=True).counting(attempt + 1)
         if bumps < len(movers) and order[0] != failed:
             order.remove(failed)
             order.insert(0, failed)
@@ -105,4 +90,4 @@ def plan_prioritized(
         else:
             order = [int(agent) for agent in rng.permutation(movers)]
             bumps = 0
-    return Prioritized(None, max_tries, failures)
+    return Attempt(NAME).counting(max_tries)

@@ -1,6 +1,6 @@
 """Priority-based search: a tree of partial orders, branched only where two rods touch.
 
-Everybody starts on his own shortest way. A node with a touching pair has two children: in one the
+Everybody starts on their own shortest way. A node with a touching pair has two children: in one the
 first agent yields to the second, in the other the reverse; whoever yields is replanned around all
 agents above it, and so are those below it that now touch. The tree is searched depth first, the
 cheaper child first. Restarts hold random agents at their starts, which solves swaps that no
@@ -18,15 +18,9 @@ from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.seeding.search.conflicts import CurveSet
 from stplan.seeding.search.planner import LayeredPlanner
 from stplan.seeding.search.prioritized import random_holds
+from stplan.seeding.seeder import Attempt
 
-
-@dataclass(frozen=True)
-class PriorityBased:
-    """What priority-based search found: curves or None, nodes expanded, restarts."""
-
-    curves: list[FloatArray] | None
-    nodes: int
-    restarts: int
+NAME = "priority-based"
 
 
 @dataclass(frozen=True)
@@ -43,7 +37,7 @@ def plan_priority_based(
     max_restarts: int,
     max_nodes: int,
     stopped: Callable[[], bool],
-) -> PriorityBased:
+) -> Attempt:
     """Search up to `max_restarts` trees of up to `max_nodes` nodes each."""
     nodes = 0
     holds = np.zeros(planner.problem.num_agents, dtype=np.int64)
@@ -53,10 +47,10 @@ def plan_priority_based(
         curves, expanded = _search_tree(planner, holds, max_nodes, stopped)
         nodes += expanded
         if curves is not None:
-            return PriorityBased(curves, nodes, restart)
+            return Attempt(NAME, curves, clear=True).counting(nodes)
         if stopped():
-            return PriorityBased(None, nodes, restart + 1)
-    return PriorityBased(None, nodes, max_restarts)
+            break
+    return Attempt(NAME).counting(nodes)
 
 
 def _search_tree(
@@ -87,7 +81,7 @@ def _search_tree(
 
 
 def _root(planner: LayeredPlanner, holds: IntArray) -> _Node | None:
-    """Everybody alone; agents that move as told are above all others."""
+    """Everybody alone; agents whose motion is prescribed are above all others."""
     planner.reset()
     curves = CurveSet(planner)
     for agent, path in enumerate(planner.problem.paths):

@@ -1,56 +1,36 @@
-"""Seeding by search: roadmap, reservations and a schedule of planners, cheap ones first.
+"""Seeding by search: levels, reservations and a schedule of planners, cheap ones first.
 
-A stage is a margin and a number of layers; on each, prioritised planning, priority-based search
-and the repair of neighbourhoods get counted efforts. Stages run from the margin asked for to
-ever smaller ones, from few layers to many (a queue at a door needs more of them than the way is
-long), and again with more effort until one succeeds or the time limit is hit. Nothing but that
-limit depends on the clock.
+A stage is a margin and a number of layers; on each, prioritised planning, large-neighbourhood search and
+priority-based search get counted efforts. Stages run from the margin asked for to ever smaller ones, from
+few layers to many (a queue at a door needs more of them than the way is long), and again with more effort
+until one succeeds or the time limit is hit. Nothing but that limit depends on the clock.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
-from stplan.arrays import FloatArray
-from stplan.compiled import working_time
-from stplan.problem.clearance import Requirement, held_requirement, requirement, verify
-from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.verification import verify
 from stplan.reasons import Reason
-from stplan.scene.model import SeedingSettings
-from stplan.seeding.infeasibility import (
-    no_way_past,
-    not_connected,
-    stranded,
-    too_few_layers,
-    touching,
-)
+from stplan.seeding.infeasibility import no_way_past, touching
+from stplan.seeding.margins import margin_ladder
 from stplan.seeding.search.joint import MOST_AGENTS, plan_jointly
-from stplan.seeding.search.large_neighbourhood import first_curves, repair
-from stplan.seeding.search.planner import (
-    Journeys,
-    LayeredPlanner,
-    automatic_layers,
-)
+from stplan.seeding.search.large_neighbourhood import first_curves, replan_neighbourhoods
+from stplan.seeding.search.levels import Levels, off_roadmap, out_of_layers
+from stplan.seeding.search.planner import LayeredPlanner
 from stplan.seeding.search.prioritized import plan_prioritized
 from stplan.seeding.search.priority_based import plan_priority_based
-from stplan.seeding.search.roadmap import build_roadmap
+from stplan.seeding.seeder import Attempt, Budget, SeedRecord
 
-Progress = Callable[[str], None]
-
-# Margins tried where the one asked for leaves no way.
-SMALLER_MARGINS = (1.02, 1.005, 1.001)
 # Priority-based search grows slow with the number of agents; beyond a few it comes late.
 FEW_PRIORITY_BASED = 12
 MOST_PRIORITY_BASED = 40
-# Margins and multiples of the layers with which given curves are repaired.
-REPAIR_STAGES = ((1.02, 1), (1.02, 2), (1.001, 2), (1.001, 4))
-REPAIR_ITERATIONS = 60
-# Stages of this effort are soon gone through; then other parts of a portfolio may have their turn.
+# Stages of the first effort are soon gone through; then other seeders may have their turn.
 SOON_EFFORT, MOST_EFFORT = 1, 128
-LEAST_HELD = 1.0005
 
 
 @dataclass(frozen=True)
@@ -60,48 +40,6 @@ class Stage:
     level: int
     layers: int
     effort: int
-
-
-@dataclass(frozen=True)
-class SearchResult:
-    """What the search found.
-
-    Attributes:
-        curves: one clear (n, 3) curve an agent, or None.
-        part: the planner that found them, "" if none did.
-        margin: the margin they hold (what fixed ends leave of it).
-        tries: orders, nodes and neighbourhoods tried in all.
-        diagnosis: why nothing was found; empty where something was.
-    """
-
-    curves: list[FloatArray] | None
-    part: str
-    margin: float
-    tries: int
-    diagnosis: tuple[Reason, ...]
-
-
-class _Level:
-    """Everything that depends on the margin alone."""
-
-    def __init__(self, problem: PlanningProblem, margin: float, refine: float) -> None:
-        self.margin = margin
-        # Set once it is known that this margin's roadmap has no solution.
-        self.hopeless = False
-        self.required: Requirement = requirement(problem, margin)
-        self.movers = [int(agent) for agent in np.flatnonzero(~problem.prescribed)]
-        heeding = problem.heeds_walls[self.movers]
-        radii = self.required.walls[self.movers]
-        roadmap = build_roadmap(
-            problem.free_space,
-            np.vstack(problem.stops),
-            radii[heeding] if heeding.any() else radii,
-            ignores_walls=not heeding.all(),
-            refine=refine,
-            around=4.0 * float(problem.distance.max()),
-        )
-        self.graph = roadmap.graph
-        self.journeys = Journeys(problem, roadmap.graph, roadmap.place_of, self.required)
 
 
 def schedule(num_margins: int) -> list[Stage]:
@@ -116,162 +54,84 @@ def schedule(num_margins: int) -> list[Stage]:
     return stages
 
 
-def search_curves(
-    problem: PlanningProblem,
-    *,
-    settings: SeedingSettings,
-    progress: Progress | None = None,
-    efforts: tuple[int, int] = (1, MOST_EFFORT),
-) -> SearchResult:
-    """Clear curves for every agent by search, or why there are none.
-
-    Uses `margin`, `layers`, `time_limit` and `rng_seed` of `settings`; only stages whose effort is
-    between the two `efforts` are gone through.
-    """
-    say = progress or (lambda line: None)
-    deadline = working_time() + settings.time_limit
-
-    def stopped() -> bool:
-        return working_time() > deadline
-
-    given = [path for path in problem.paths if path is not None]
-    if len(given) == problem.num_agents:
-        return SearchResult(given, "given paths", settings.margin, 0, ())
-    margins = [settings.margin, *(m for m in SMALLER_MARGINS if m < settings.margin)]
-    levels: list[_Level | None] = [None] * len(margins)
-    reasons: tuple[Reason, ...] = ()
-    tries = 0
-    for number, stage in enumerate(schedule(len(margins))):
-        if not efforts[0] <= stage.effort <= efforts[1]:
-            continue
-        if stopped():
-            break
-        level = levels[stage.level]
-        if level is None:
-            level = _connected_level(problem, margins[stage.level])
-            levels[stage.level] = level
-        if level.journeys.stranded():
-            reasons = reasons or stranded(problem, level.journeys.stranded(), level.margin)
-            level.hopeless = True
-        if all(known is not None and known.hopeless for known in levels):
-            break
-        if level.hopeless:
-            continue
-        if stopped():
-            break
-        count = settings.layers or automatic_layers(problem, level.graph, level.journeys)
-        planner = LayeredPlanner(
-            problem, level.graph, level.journeys, level.required, count * stage.layers
-        )
-        if planner.too_late():
-            reasons = reasons or too_few_layers(problem, planner.too_late(), planner.grid.count)
-            continue
-        say(
-            f"searching: margin {level.margin:g}, {planner.graph.num_vertices} vertices, "
-            f"{planner.grid.count} layers"
-        )
-        rng = np.random.default_rng([settings.rng_seed, number])
-        attempt = _run_stage(planner, stage, rng, stopped)
-        tries += attempt.tries
-        if attempt.curves is not None and not verify(problem, attempt.curves, planner.required):
-            return SearchResult(attempt.curves, attempt.part, level.margin, tries, ())
-        reasons = attempt.reasons or reasons
-        level.hopeless = attempt.impossible
-    return SearchResult(None, "", settings.margin, tries, reasons)
-
-
-def repair_curves(
-    problem: PlanningProblem,
-    curves: Sequence[FloatArray],
-    *,
-    settings: SeedingSettings,
-    progress: Progress | None = None,
-) -> SearchResult:
-    """Replan the neighbourhoods of `curves` in which pairs still touch, the others reserved.
-
-    For curves of any origin, say a relaxation that left a few pairs stuck; each must be clear of
-    the walls and meet its ends. Agents that are not replanned keep their curves. Pairs that
-    hold less than the margin need not hold more than they do.
-    """
-    say = progress or (lambda line: None)
-    deadline = working_time() + settings.time_limit
-    reasons: tuple[Reason, ...] = ()
-    tries = 0
-    for number, (margin, layers) in enumerate(REPAIR_STAGES):
-        level = _connected_level(problem, min(margin, settings.margin))
-        if level.journeys.stranded():
-            reasons = reasons or stranded(problem, level.journeys.stranded(), level.margin)
-            continue
-        count = settings.layers or automatic_layers(problem, level.graph, level.journeys)
-        held = held_requirement(problem, curves, level.margin)
-        # Less than this counts as touching: such pairs are replanned.
-        floor = np.minimum(level.required.rods, LEAST_HELD * problem.distance)
-        required = Requirement(np.maximum(held.rods, floor), level.required.walls)
-        planner = LayeredPlanner(problem, level.graph, level.journeys, required, count * layers)
-        if planner.too_late():
-            reasons = reasons or too_few_layers(problem, planner.too_late(), planner.grid.count)
-            continue
-        say(f"repairing: {planner.graph.num_vertices} vertices, {planner.grid.count} layers")
-        rng = np.random.default_rng([settings.rng_seed, number])
-        mended = repair(planner, curves, rng, REPAIR_ITERATIONS, lambda: working_time() > deadline)
-        tries += mended.iterations
-        if mended.conflicts == 0 and not verify(problem, mended.curves):
-            return SearchResult(mended.curves, "repair", level.margin, tries, ())
-        reasons = touching(problem, mended.curves, mended.touching)
-        if working_time() > deadline:
-            break
-    return SearchResult(None, "", settings.margin, tries, reasons)
-
-
-def _connected_level(problem: PlanningProblem, margin: float) -> _Level:
-    """The roadmap of a margin; finer where the first one misses ways that the free space has."""
-    level = _Level(problem, margin, 1.0)
-    if level.journeys.stranded() and not_connected(problem, level.required.walls):
-        return level
-    for refine in (2.0, 4.0):
-        if not level.journeys.stranded():
-            break
-        level = _Level(problem, margin, refine)
-    return level
-
-
 @dataclass(frozen=True)
-class _Attempt:
-    """What one stage brought."""
+class Search:
+    """Clear curves for every agent by search.
 
-    curves: list[FloatArray] | None
-    part: str
-    tries: int
-    reasons: tuple[Reason, ...]
-    impossible: bool = False
+    Attributes:
+        levels: the roadmaps of the problem.
+        efforts: only stages whose effort is between these two are gone through.
+    """
+
+    name: ClassVar = "search"
+    levels: Levels
+    efforts: tuple[int, int] = (SOON_EFFORT, MOST_EFFORT)
+
+    def attempt(self, budget: Budget) -> Attempt:
+        """Stage after stage, until one succeeds."""
+        problem = self.levels.problem
+        paths = [path for path in problem.paths if path is not None]
+        margins = margin_ladder(problem.scene.seeding.margin)
+        if len(paths) == problem.num_agents:
+            record = SeedRecord(margin=margins[0], tries=0)
+            return Attempt(f"{self.name} (prescribed paths)", paths, clear=True, record=record)
+        hopeless: set[int] = set()
+        reasons: tuple[Reason, ...] = ()
+        tries = 0
+        for number, stage in enumerate(schedule(len(margins))):
+            if stage.level in hopeless or not self.efforts[0] <= stage.effort <= self.efforts[1]:
+                continue
+            if budget.spent():
+                break
+            level = self.levels.at(margins[stage.level])
+            if level.journeys.stranded():
+                reasons = reasons or off_roadmap(level)
+                hopeless.add(stage.level)
+                continue
+            if budget.spent():
+                break
+            planner = level.planner(stage.layers)
+            if planner.too_late():
+                reasons = reasons or out_of_layers(planner)
+                continue
+            budget.progress(
+                f"searching: margin {level.margin:g}, {planner.graph.num_vertices} vertices, "
+                f"{planner.grid.count} layers"
+            )
+            rng = np.random.default_rng([budget.rng_seed, number])
+            found = _run_stage(planner, stage, rng, budget)
+            tries += found.tries
+            if found.clear and not verify(problem, found.curves, planner.required):
+                record = SeedRecord(margin=level.margin, tries=tries)
+                return replace(found, found_by=f"{self.name} ({found.found_by})", record=record)
+            reasons = found.reasons or reasons
+            if any(reason.kind == "blocked" for reason in found.reasons):
+                hopeless.add(stage.level)
+        return Attempt(self.name, record=SeedRecord(tries=tries), reasons=reasons)
 
 
 def _run_stage(
-    planner: LayeredPlanner,
-    stage: Stage,
-    rng: np.random.Generator,
-    stopped: Callable[[], bool],
-) -> _Attempt:
-    """One stage: three planners, each with an effort that grows with the stage's."""
+    planner: LayeredPlanner, stage: Stage, rng: np.random.Generator, budget: Budget
+) -> Attempt:
+    """One stage: three planners and a joint search, each with an effort that grows with the stage's."""
     count = len(planner.movers)
+    stopped = budget.spent
     ordered = plan_prioritized(planner, rng, stage.effort * (5 + min(count, 10)), stopped)
-    tries = ordered.tries
-    if ordered.curves is not None:
-        return _Attempt(ordered.curves, "prioritized", tries, ())
-    ways = first_curves(planner, rng, stopped)
-    if ways is None:
-        return _Attempt(None, "", tries, ())
-    mended = repair(planner, ways, rng, stage.effort * (40 + 2 * count), stopped)
-    tries += mended.iterations
-    if mended.conflicts == 0:
-        return _Attempt(mended.curves, "repair", tries, ())
+    if ordered.clear:
+        return ordered
+    first = first_curves(planner, rng, stopped)
+    if first is None:
+        return ordered
+    mended = replan_neighbourhoods(planner, first, rng, stage.effort * (40 + 2 * count), stopped)
+    tries = ordered.tries + mended.tries
+    if mended.clear:
+        return mended.counting(tries)
     if count <= (MOST_PRIORITY_BASED if stage.effort > 2 else FEW_PRIORITY_BASED):
-        tree = plan_priority_based(
-            planner, rng, 2 * stage.effort, 10 + count * stage.effort, stopped
-        )
-        tries += tree.nodes
-        if tree.curves is not None:
-            return _Attempt(tree.curves, "priority-based", tries, ())
+        max_nodes = 10 + count * stage.effort
+        tree = plan_priority_based(planner, rng, 2 * stage.effort, max_nodes, stopped)
+        tries += tree.tries
+        if tree.clear:
+            return tree.counting(tries)
     group = _group(planner, mended.touching)
     # More layers do not help the joint search: once a margin.
     once = (1, 1) if count <= MOST_AGENTS else (2, 2)
@@ -279,10 +139,12 @@ def _run_stage(
         joint = plan_jointly(planner, group, rng, stopped)
         tries += 1
         if joint.curves is not None:
-            return _Attempt(joint.curves, "joint", tries, ())
+            return Attempt("joint", joint.curves, clear=True).counting(tries)
         if joint.impossible:
-            return _Attempt(None, "", tries, no_way_past(planner, group), impossible=True)
-    return _Attempt(None, "", tries, touching(planner.problem, mended.curves, mended.touching))
+            reasons = no_way_past(planner.problem, group, planner.graph.num_vertices)
+            return Attempt("joint", reasons=reasons).counting(tries)
+    reasons = touching(planner.problem, mended.curves, mended.touching)
+    return replace(mended, reasons=reasons).counting(tries)
 
 
 def _group(planner: LayeredPlanner, pairs: Sequence[tuple[int, int]]) -> list[int]:

@@ -10,67 +10,81 @@ when everybody has been first, orders are random; then layers are added.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.compiled import working_time
-from stplan.problem.clearance import requirement, verify
 from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.requirement import requirement
+from stplan.problem.verification import verify
 from stplan.reasons import Reason
-from stplan.scene.model import SeedingSettings
-from stplan.seeding.infeasibility import no_order, stranded, too_few_layers
+from stplan.seeding.infeasibility import no_order, stranded
+from stplan.seeding.margins import margin_ladder
 from stplan.seeding.search.layered_dijkstra import HARD, space_time_length
-from stplan.seeding.search.planner import Journeys, LayeredPlanner, automatic_layers
-from stplan.seeding.search.roadmap import mesh_roadmap
-from stplan.seeding.search.schedule import SearchResult
+from stplan.seeding.search.levels import Level, out_of_layers
+from stplan.seeding.search.planner import Journeys, LayeredPlanner
+from stplan.seeding.search.roadmap import Roadmap, mesh_roadmap
+from stplan.seeding.seeder import Attempt, Budget, SeedRecord
+from stplan.world import build_seeding_mesh
 
-if TYPE_CHECKING:
-    from stplan.world import SeedingMesh
-
-MARGINS = (1.02, 1.005, 1.001)
 LAYER_FACTORS = (1, 2, 4)
 
 
-def dijkstra_curves(
-    problem: PlanningProblem,
-    mesh: SeedingMesh,
-    *,
-    settings: SeedingSettings,
-    progress: Callable[[str], None] | None = None,
-) -> SearchResult:
-    """Clear curves by sequential Dijkstra on `mesh`, or why there are none.
+@dataclass(frozen=True)
+class SequentialDijkstra:
+    """Clear curves by sequential Dijkstra on the seeding mesh of the scene."""
 
-    Uses `margin`, `layers`, `time_limit` and `rng_seed` of `settings`.
-    """
-    say = progress or (lambda line: None)
-    deadline = working_time() + settings.time_limit
-    reasons: tuple[Reason, ...] = ()
-    rng = np.random.default_rng(settings.rng_seed)
-    roadmap = mesh_roadmap(mesh, np.vstack(problem.stops))
-    tries = 0
-    for factor in LAYER_FACTORS:
-        for margin in (settings.margin, *(m for m in MARGINS if m < settings.margin)):
-            required = requirement(problem, margin)
-            journeys = Journeys(problem, roadmap.graph, roadmap.place_of, required)
-            if journeys.stranded():
-                reasons = reasons or stranded(problem, journeys.stranded(), margin, "mesh")
-                continue
-            layers = settings.layers or automatic_layers(problem, roadmap.graph, journeys)
-            planner = LayeredPlanner(problem, roadmap.graph, journeys, required, factor * layers)
-            if planner.too_late():
-                reasons = reasons or too_few_layers(problem, planner.too_late(), planner.grid.count)
-                continue
-            say(f"Dijkstra: {roadmap.graph.num_vertices} vertices, {planner.grid.count} layers")
-            curves, orders, failures = _in_orders(planner, rng, lambda: working_time() > deadline)
-            tries += orders
-            if curves is not None and not verify(problem, curves, planner.required):
-                return SearchResult(curves, "dijkstra", margin, tries, ())
-            reasons = no_order(problem, failures)
-            if working_time() > deadline:
-                return SearchResult(None, "", settings.margin, tries, reasons)
-    return SearchResult(None, "", settings.margin, tries, reasons)
+    name: ClassVar = "dijkstra"
+    problem: PlanningProblem
+
+    @cached_property
+    def roadmap(self) -> Roadmap:
+        """The edges of the mesh, with all stops among its vertices."""
+        mesh = build_seeding_mesh(self.problem.scene, self.problem.free_space)
+        return mesh_roadmap(mesh, np.vstack(self.problem.stops))
+
+    @cached_property
+    def levels(self) -> tuple[Level, ...]:
+        """The journeys on the mesh, margin by margin."""
+        return tuple(self._level(m) for m in margin_ladder(self.problem.scene.seeding.margin))
+
+    def _level(self, margin: float) -> Level:
+        required = requirement(self.problem, margin)
+        graph = self.roadmap.graph
+        journeys = Journeys(self.problem, graph, self.roadmap.place_of, required)
+        return Level(self.problem, margin, required, graph, journeys)
+
+    def attempt(self, budget: Budget) -> Attempt:
+        """Few layers and the widest margin first."""
+        problem = self.problem
+        rng = np.random.default_rng(budget.rng_seed)
+        reasons: tuple[Reason, ...] = ()
+        tries = 0
+        for factor in LAYER_FACTORS:
+            for level in self.levels:
+                cut_off = level.journeys.stranded()
+                if cut_off:
+                    reasons = reasons or stranded(problem, cut_off, level.margin, "mesh")
+                    continue
+                planner = level.planner(factor)
+                if planner.too_late():
+                    reasons = reasons or out_of_layers(planner)
+                    continue
+                budget.progress(
+                    f"Dijkstra: {level.graph.num_vertices} vertices, {planner.grid.count} layers"
+                )
+                curves, orders, failures = _in_orders(planner, rng, budget.spent)
+                tries += orders
+                if curves is not None and not verify(problem, curves, planner.required):
+                    record = SeedRecord(margin=level.margin, tries=tries)
+                    return Attempt(self.name, curves, clear=True, record=record)
+                reasons = no_order(problem, failures)
+                if budget.spent():
+                    return Attempt(self.name, reasons=reasons).counting(tries)
+        return Attempt(self.name, reasons=reasons).counting(tries)
 
 
 def _in_orders(

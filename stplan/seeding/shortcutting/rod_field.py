@@ -16,8 +16,9 @@ from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.compiled import kernel
 from stplan.geometry.rod_distances import clear_of_walls
 from stplan.geometry.segments import squared_distance
-from stplan.problem.clearance import STRICT, Requirement
+from stplan.problem.clearance import STRICT
 from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.requirement import Requirement
 from stplan.seeding.elastic_bands.bands import waypoint_knots
 
 # Room for knots that moves add, and for entries of the index, over what the curves need at first.

@@ -1,4 +1,4 @@
-"""Polish: clear curves made cheaper and even, every step of it proven clear.
+"""Shortcutting and retiming: clear curves made cheaper and even, every step of it proven clear.
 
 First everything is stretched in time towards the preferred arrivals (a uniform stretch never
 brings rods closer), then shortcuts, moved knots and later arrivals lower the kinetic cost, and last
@@ -12,26 +12,27 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.problem.clearance import Requirement, held_requirement, verify
 from stplan.problem.kinetic import total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.requirement import Requirement, held_requirement
+from stplan.problem.verification import verify
 from stplan.seeding.shortcutting.resampling import resample_curve
 from stplan.seeding.shortcutting.retiming import even_knots
 from stplan.seeding.shortcutting.rod_field import build_field
 from stplan.seeding.shortcutting.shortcut_kernels import polish_round
 
-# Knots an agent gets by default: enough for the bends of its polished curve.
-LEAST_KNOTS = 30
-MOST_KNOTS = 100
+# Knots an agent gets by default: enough for the bends of its shortened curve.
+LEAST_AUTO_KNOTS = 30
+MOST_AUTO_KNOTS = 100
 KNOTS_PER_BEND = 2
-# Durations allowed, as parts of the mean: evened out as far as the bends permit.
+# Durations allowed, as parts of the mean: as even as the bends permit.
 EVENNESS = ((0.5, 2.0), (0.42, 2.5), (0.3, 3.0), (0.15, 5.0), (0.05, 10.0))
-# Rounds of polish at most, each one as long as the last lowered the kinetic cost by this part.
+# Rounds of shortcuts at most, each one as long as the last lowered the kinetic cost by this part.
 MOST_ROUNDS = 8
 WORTHWHILE = 0.005
 # Random shortcuts tried for every agent in every round; more only leave more knots behind.
 TRIES = 20
-# Evening out may use up this part of the clearance over R: on a curve pulled taut against its
+# Retiming may use up this part of the clearance over R: on a curve pulled taut against its
 # requirement no knot could move.
 SLACK = 0.2
 
@@ -39,53 +40,49 @@ SLACK = 0.2
 def prepare_seed(
     problem: PlanningProblem,
     curves: Sequence[FloatArray],
+    required: Requirement,
+    *,
     num_knots: int | None = None,
-    margin: float = 1.05,
     rng_seed: int = 0,
-    check: Callable[[], None] = lambda: None,
+    stopped: Callable[[], bool] = lambda: False,
 ) -> list[FloatArray]:
-    """`curves` polished and evened out, with `num_knots` knots an agent (None follows the bends).
+    """`curves` shortened and retimed, with `num_knots` knots an agent (None follows the bends).
 
-    The curves have to be clear. They are polished up to `held_requirement` of the margin, and
-    `SLACK` of what that asks over R may go into evening out. Given paths stay as they are. A curve
-    may keep more knots than asked for where its bends cannot be had with fewer. `check` is called
-    now and then; what it raises ends the work.
+    The curves have to be clear. They are shortened up to `held_requirement` of what is `required`, and
+    `SLACK` of what that asks over R may go into retiming. Prescribed paths stay as they are. A curve
+    may keep more knots than asked for where its bends cannot be had with fewer. Once `stopped`, the
+    curves are clear, but as far as they have come.
     """
-    required = held_requirement(problem, curves, margin)
-    polished = polish(problem, curves, required=required, rng_seed=rng_seed, check=check)
+    held = held_requirement(problem, curves, required)
+    shortened = take_shortcuts(problem, curves, held, rng_seed=rng_seed, stopped=stopped)
     eased = Requirement(
-        problem.distance + (1.0 - SLACK) * (required.rods - problem.distance),
-        problem.radii + (1.0 - SLACK) * (required.walls - problem.radii),
+        problem.distance + (1.0 - SLACK) * (held.rods - problem.distance),
+        problem.radii + (1.0 - SLACK) * (held.walls - problem.radii),
     )
-    evened = even_out(problem, polished, num_knots, required=eased, check=check)
-    if not verify(problem, evened, eased):
-        return evened
+    retimed = retime(problem, shortened, eased, num_knots, stopped=stopped)
+    if not verify(problem, retimed, eased):
+        return retimed
     # Only rounding could bring us here; the curves as they came are still clear.
     return resample(problem, curves, num_knots)
 
 
-def polish(
+def take_shortcuts(
     problem: PlanningProblem,
     curves: Sequence[FloatArray],
+    required: Requirement,
     *,
-    margin: float = 1.05,
     rng_seed: int = 0,
-    rounds: int = MOST_ROUNDS,
-    required: Requirement | None = None,
-    check: Callable[[], None] = lambda: None,
+    stopped: Callable[[], bool] = lambda: False,
 ) -> list[FloatArray]:
-    """Cheaper curves than the clear `curves`, with few knots and as clear as they have to be.
-
-    `required` defaults to `held_requirement` of the curves and the margin.
-    """
-    kept = held_requirement(problem, curves, margin) if required is None else required
+    """Cheaper curves than the clear `curves`, with few knots and as clear as is `required`."""
     rng = np.random.default_rng(rng_seed)
-    current = stretch(problem, curves, kept)
+    current = stretch(problem, curves, required)
     movable = np.flatnonzero(~problem.prescribed)
     cost = total_kinetic_cost(problem.masses, current)
-    for turn in range(rounds):
-        check()
-        field = build_field(problem, current, kept)
+    for turn in range(MOST_ROUNDS):
+        if stopped():
+            break
+        field = build_field(problem, current, required)
         polish_round(
             field,
             movable if turn % 2 == 0 else movable[::-1].copy(),
@@ -105,7 +102,7 @@ def stretch(
     """The curves slowed down towards their preferred arrivals, as far as that is proven clear.
 
     All agents share one factor, which cannot bring rods closer where all start together; then each
-    its own. Given paths, unequal starts and tails are why it is proven and not taken for granted.
+    its own. Prescribed paths, unequal starts and tails are why it is proven and not taken for granted.
     """
     current = [np.array(curve) for curve in curves]
     movable = np.flatnonzero(~problem.prescribed)
@@ -144,36 +141,37 @@ def _stretched(
 def resample(
     problem: PlanningProblem, curves: Sequence[FloatArray], num_knots: int | None = None
 ) -> list[FloatArray]:
-    """The same curves with `num_knots` knots each (None follows the bends), given paths as is."""
+    """The same curves with `num_knots` knots each (None follows the bends), prescribed paths as is."""
     return [
         curve.copy() if path is not None else resample_curve(curve, num_knots or _auto_knots(curve))
         for curve, path in zip(curves, problem.paths, strict=True)
     ]
 
 
-def even_out(
+def retime(
     problem: PlanningProblem,
     curves: Sequence[FloatArray],
+    required: Requirement,
     num_knots: int | None = None,
     *,
-    margin: float = 1.05,
-    required: Requirement | None = None,
-    check: Callable[[], None] = lambda: None,
+    stopped: Callable[[], bool] = lambda: False,
 ) -> list[FloatArray]:
-    """Clear curves with exactly `num_knots` knots of about equal durations, still clear.
+    """Clear curves with exactly `num_knots` knots of about equal durations, as clear as is `required`.
 
     Every duration is at least half the mean where the bends permit, less where they do not; where
-    nothing helps all old knots stay and new ones go between them.
+    nothing helps, or once `stopped`, all old knots stay and new ones go between them.
     """
-    kept = held_requirement(problem, curves, margin) if required is None else required
     wanted = [num_knots or _auto_knots(curve) for curve in curves]
-    field = build_field(problem, curves, kept, room=max(wanted))
+    field = build_field(problem, curves, required, room=max(wanted))
     result = []
     for agent, path in enumerate(problem.paths):
-        check()
-        evened = path is None and any(
-            even_knots(field, agent, wanted[agent], shortest, longest)
-            for shortest, longest in EVENNESS
+        evened = (
+            path is None
+            and not stopped()
+            and any(
+                even_knots(field, agent, wanted[agent], shortest, longest)
+                for shortest, longest in EVENNESS
+            )
         )
         curve = field.curve(problem, agent)
         if path is None and not evened:
@@ -183,5 +181,5 @@ def even_out(
 
 
 def _auto_knots(curve: FloatArray) -> int:
-    """Enough knots for the bends of a polished curve."""
-    return int(np.clip(KNOTS_PER_BEND * len(curve) + 16, LEAST_KNOTS, MOST_KNOTS))
+    """Enough knots for the bends of a shortened curve."""
+    return int(np.clip(KNOTS_PER_BEND * len(curve) + 16, LEAST_AUTO_KNOTS, MOST_AUTO_KNOTS))

@@ -10,11 +10,13 @@ import pytest
 import shapely
 
 from stplan.arrays import FloatArray
-from stplan.problem.clearance import verify
 from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.requirement import requirement
+from stplan.problem.verification import verify
 from stplan.scene.model import Agent, PairRule, Scene, Weights
 from stplan.seeding.elastic_bands.block_tridiagonal import FIXED, FREE, PINNED, hold_knots, solve
-from stplan.seeding.elastic_bands.relaxation import RelaxationResult, relax
+from stplan.seeding.elastic_bands.relaxation import relax
+from stplan.seeding.seeder import Attempt
 from stplan.seeding.shortcutting.shortcuts import prepare_seed
 from stplan.world import FreeSpace
 from tests.seeding.families import (
@@ -31,10 +33,10 @@ from tests.seeding.families import (
 
 def relaxed(
     one: Scene, space: FreeSpace | None = None, initial: list[FloatArray] | None = None
-) -> tuple[PlanningProblem, RelaxationResult]:
+) -> tuple[PlanningProblem, Attempt]:
     """The scene relaxed with the default margin, proven clear with it if solved."""
     problem = PlanningProblem.from_scene(one, space)
-    result = relax(problem, initial, margin=1.02, max_sweeps=600)
+    result = relax(problem, requirement(problem, 1.02), initial, max_sweeps=600)
     return problem, result
 
 
@@ -72,8 +74,8 @@ FAMILIES = {
 def test_families_are_solved_close_to_straight(name: str) -> None:
     one = FAMILIES[name]
     problem, result = relaxed(one)
-    assert result.solved
-    assert result.stuck == []
+    assert result.clear
+    assert result.touching == ()
     assert verify(problem, result.curves) == []
     assert sampled_ratio(problem, result.curves) > 1.0
     assert energy(one, result.curves) < 1.2 * straight_energy(one)
@@ -81,14 +83,16 @@ def test_families_are_solved_close_to_straight(name: str) -> None:
 
 def test_the_same_seed_gives_the_same_bytes_and_another_one_another_answer() -> None:
     problem = PlanningProblem.from_scene(circle(6, 5.0, 20.0), None)
-    first, again, other = (relax(problem, rng_seed=seed) for seed in (3, 3, 4))
+    first, again, other = (
+        relax(problem, requirement(problem, 1.05), rng_seed=seed) for seed in (3, 3, 4)
+    )
     assert [c.tobytes() for c in first.curves] == [c.tobytes() for c in again.curves]
     assert [c.tobytes() for c in first.curves] != [c.tobytes() for c in other.curves]
 
 
 def test_two_head_on_part_although_everything_is_symmetric() -> None:
     problem, result = relaxed(scene([agent("a", (0, 0), (10, 0)), agent("b", (10, 0), (0, 0))]))
-    assert result.solved
+    assert result.clear
     assert sampled_ratio(problem, result.curves) > 1.0
 
 
@@ -96,7 +100,7 @@ def test_two_head_on_part_although_everything_is_symmetric() -> None:
 def test_the_time_scale_counts(time_scale: float) -> None:
     one = replace(circle(6, 8.0, 30.0), time_scale=time_scale)
     problem, result = relaxed(one)
-    assert result.solved
+    assert result.clear
     assert problem.rod(0, result.curves[0])[-1, 2] == pytest.approx(30.0 * time_scale)
 
 
@@ -104,7 +108,7 @@ def test_heavy_agents_yield_less() -> None:
     heavy = agent("heavy", (0, 0), (20, 0), mass=50.0)
     light = agent("light", (20, 0.1), (0, 0.1), mass=1.0)
     _, result = relaxed(scene([heavy, light]))
-    assert result.solved
+    assert result.clear
     detour = [np.abs(curve[:, 1]).max() for curve in result.curves]
     assert detour[0] < 0.5 * detour[1]
 
@@ -113,7 +117,7 @@ def test_unequal_radii_are_kept_apart() -> None:
     elephant = agent("elephant", (0, 0), (20, 0), radius=2.0)
     people = [agent(f"p{k}", (20, k - 2.0), (0, k - 2.0), radius=0.3) for k in range(5)]
     problem, result = relaxed(scene([elephant, *people]))
-    assert result.solved
+    assert result.clear
     assert sampled_ratio(problem, result.curves) > 1.0
 
 
@@ -121,20 +125,20 @@ def test_agents_that_ignore_each_other_go_straight_through() -> None:
     agents = [agent("a", (0, 0), (10, 0)), agent("b", (10, 0), (0, 0))]
     one = scene(agents, pairs=(PairRule((0,), (1,), collide=False),))
     _, result = relaxed(one)
-    assert result.solved
-    assert result.sweeps == 4
+    assert result.clear
+    assert result.record.sweeps == 4
 
 
 def test_a_tail_is_walked_around() -> None:
     early = agent("early", (0, 0), (5, 0), max_time=5.0)
     late = agent("late", (5, -8), (5, 8), max_time=20.0)
     problem, result = relaxed(scene([early, late]))
-    assert result.solved
+    assert result.clear
     assert sampled_ratio(problem, result.curves) > 1.0
     assert np.abs(result.curves[1][:, 0] - 5).max() > 0.9
     gone = replace(early, after_arrival="vanish")
     _, result = relaxed(scene([gone, late]))
-    assert result.solved
+    assert result.clear
     assert np.abs(result.curves[1][:, 0] - 5).max() < 0.9
 
 
@@ -144,7 +148,7 @@ def test_vanishing_agents_with_one_goal_arrive_one_after_the_other() -> None:
         for name, start in (("a", (-8, 0)), ("b", (8, 0)), ("c", (0, 8)))
     ]
     problem, result = relaxed(scene(agents))
-    assert result.solved
+    assert result.clear
     assert len({round(float(curve[-1, 2]), 3) for curve in result.curves}) == 3
     assert sampled_ratio(problem, result.curves) > 1.0
 
@@ -156,7 +160,7 @@ def test_own_times_are_respected() -> None:
         agent("c", (5, 5), (5, -5), preferred_time=9.0, weights=Weights(arrival=1.0)),
     ]
     problem, result = relaxed(scene(agents))
-    assert result.solved
+    assert result.clear
     assert result.curves[0][0, 2] == 2.0
     assert result.curves[0][-1, 2] == 12.0
     assert result.curves[2][-1, 2] == pytest.approx(9.0, abs=2.0)
@@ -170,7 +174,7 @@ def test_waypoints_are_passed_exactly() -> None:
         agent("c", (10, 4), (0, 4)),
     ]
     problem, result = relaxed(scene(agents))
-    assert result.solved
+    assert result.clear
     assert verify(problem, result.curves) == []
     assert (result.curves[0][:, :2] == [5.0, 4.0]).all(axis=1).any()
 
@@ -179,7 +183,7 @@ def test_given_paths_never_move() -> None:
     path = ((0.0, 0.0, 0.0), (6.0, 0.0, 9.0), (10.0, 0.0, 20.0))
     told = agent("told", (0, 0), (10, 0), path=path)
     problem, result = relaxed(scene([told, agent("a", (10, 0), (0, 0))]))
-    assert result.solved
+    assert result.clear
     assert (result.curves[0] == np.array(path)).all()
     assert sampled_ratio(problem, result.curves) > 1.0
 
@@ -188,12 +192,12 @@ def test_a_goal_on_a_given_path_is_reached_after_it_is_free() -> None:
     told = agent("told", (5, -9), (5, 9), path=((5.0, -9.0, 0.0), (5.0, 9.0, 20.0)))
     keen = agent("keen", (0, 0), (5, 0), preferred_time=6.0, weights=Weights(arrival=1.0))
     problem, result = relaxed(scene([told, keen]))
-    assert result.solved
+    assert result.clear
     assert sampled_ratio(problem, result.curves) > 1.0
     hopeless = replace(keen, max_time=6.0)
     _, result = relaxed(scene([told, hopeless]))
-    assert not result.solved
-    assert result.stuck == [(0, 1)]
+    assert not result.clear
+    assert result.touching == ((0, 1),)
 
 
 def door() -> FreeSpace:
@@ -218,7 +222,7 @@ def test_walls_are_kept_off_and_never_crossed() -> None:
     ]
     ways = [through_the_door(one) for one in agents]
     problem, result = relaxed(scene(agents), door(), ways)
-    assert result.solved
+    assert result.clear
     assert verify(problem, result.curves) == []
     assert sampled_ratio(problem, result.curves) > 1.0
     walls = door().boundary
@@ -229,27 +233,30 @@ def test_walls_are_kept_off_and_never_crossed() -> None:
 def test_the_smallest_scenes() -> None:
     alone = agent("alone", (0, 0), (10, 0))
     _, result = relaxed(scene([alone]))
-    assert result.solved
+    assert result.clear
     told = replace(alone, path=((0.0, 0.0, 0.0), (10.0, 0.0, 20.0)))
     problem, result = relaxed(scene([told]))
-    assert result.solved
+    assert result.clear
     assert (result.curves[0] == np.array(told.path)).all()
-    assert (prepare_seed(problem, result.curves)[0] == result.curves[0]).all()
+    assert (
+        prepare_seed(problem, result.curves, requirement(problem, 1.05))[0] == result.curves[0]
+    ).all()
     still = [agent("a", (0, 0), (0, 0)), agent("b", (3, 0), (3, 0))]
     _, result = relaxed(scene(still))
-    assert result.solved
+    assert result.clear
     assert (result.curves[0][:, :2] == 0.0).all()
 
 
 def test_the_impossible_is_reported_within_its_limits() -> None:
     agents = [agent("a", (0, 0), (10, 0)), agent("b", (10, 0), (10.5, 0))]
     problem = PlanningProblem.from_scene(scene(agents), None)
-    result = relax(problem, max_sweeps=200)
-    assert not result.solved
-    assert result.stuck == [(0, 1)]
-    assert result.sweeps == 200
-    assert result.retensions > 0
-    assert relax(problem, time_limit=0.0).sweeps == 1
+    required = requirement(problem, 1.05)
+    result = relax(problem, required, max_sweeps=200)
+    assert not result.clear
+    assert result.touching == ((0, 1),)
+    assert result.record.sweeps == 200
+    assert (result.record.retensions or 0) > 0
+    assert relax(problem, required, stopped=lambda: True).record.sweeps == 1
 
 
 def test_the_chain_solver_equals_a_dense_one() -> None:

@@ -7,12 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stplan.problem.clearance import rod_clearances, verify, wall_clearance
+from stplan.problem.clearance import rod_clearances, wall_clearance
 from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.verification import verify
 from stplan.scene.model import Scene
 from stplan.scene.reading.load import load_scene
 from stplan.seeding.elastic_bands.geodesics import geodesic_curves
-from stplan.seeding.search.schedule import SearchResult, repair_curves, search_curves
+from stplan.seeding.search.levels import Levels
+from stplan.seeding.search.mending import Mending
+from stplan.seeding.search.schedule import Search
+from stplan.seeding.seeder import Attempt
 from stplan.wording import sentences
 from stplan.world import build_free_space
 from tests.seeding import tight_families as families
@@ -24,10 +28,10 @@ def prepared(scene: Scene) -> PlanningProblem:
     return PlanningProblem.from_scene(scene, build_free_space(scene))
 
 
-def searched(scene: Scene) -> SearchResult:
+def searched(scene: Scene) -> Attempt:
     problem = prepared(scene)
-    result = search_curves(problem, settings=scene.seeding)
-    assert result.curves is not None, sentences(result.diagnosis)
+    result = Search(Levels(problem)).attempt(families.budget_of(scene))
+    assert result.clear, sentences(result.reasons)
     assert verify(problem, result.curves) == []
     return result
 
@@ -51,15 +55,14 @@ SMALL = {
 @pytest.mark.parametrize("family", SMALL)
 def test_a_member_of_every_family_is_solved(family: str, seed: int) -> None:
     result = searched(SMALL[family](np.random.default_rng(seed)))
-    assert result.part in {"prioritized", "priority-based", "repair", "joint"}
-    assert result.diagnosis == ()
+    parts = ("prioritized", "priority-based", "repair", "joint")
+    assert result.found_by in {f"search ({part})" for part in parts}
+    assert result.reasons == ()
 
 
 @pytest.mark.parametrize("family", ["narrowest corridor", "left turns", "door", "cabin two deep"])
 def test_the_same_scene_gives_the_same_bytes(family: str) -> None:
     first, second = (searched(SMALL[family](np.random.default_rng(3))) for _ in range(2))
-    assert first.curves is not None
-    assert second.curves is not None
     for one, other in zip(first.curves, second.curves, strict=True):
         assert one.tobytes() == other.tobytes()
 
@@ -77,7 +80,7 @@ def test_a_swap_past_a_pocket_behind_the_start_takes_a_joint_search() -> None:
     )  # fmt: skip
     journeys = [((2.5, 0.4), (7.5, 0.4)), ((7.5, 0.4), (2.5, 0.4))]
     result = searched(families.make_scene("behind", outer, [], journeys))
-    assert result.part == "joint"
+    assert result.found_by == "search (joint)"
 
 
 def test_others_are_planned_around_a_joint_pair() -> None:
@@ -97,8 +100,8 @@ def test_curves_that_touch_are_repaired(family: str) -> None:
     ways = [way for way in geodesic_curves(problem) if way is not None]
     touching = {a for pair in rod_clearances(problem, ways).violations for a in pair[:2]}
     assert touching
-    result = repair_curves(problem, ways, settings=scene.seeding)
-    assert result.curves is not None
+    result = Mending(Levels(problem)).attempt_from(ways, families.budget_of(scene))
+    assert result.clear
     assert verify(problem, result.curves) == []
 
 
@@ -106,9 +109,8 @@ def test_curves_that_are_clear_are_left_alone() -> None:
     scene = SMALL["pillars"](np.random.default_rng(6))
     problem = prepared(scene)
     curves = searched(scene).curves
-    assert curves is not None
-    result = repair_curves(problem, curves, settings=scene.seeding)
-    assert result.curves is not None
+    result = Mending(Levels(problem)).attempt_from(curves, families.budget_of(scene))
+    assert result.clear
     assert all(np.array_equal(a, b) for a, b in zip(curves, result.curves, strict=True))
 
 

@@ -8,28 +8,31 @@ import numpy as np
 import pytest
 
 from stplan.errors import SeedingError
-from stplan.problem.clearance import requirement, verify
 from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.requirement import requirement
+from stplan.problem.verification import verify
 from stplan.scene.model import PairRule, Scene, Weights
 from stplan.seeding.portfolio import find_seed
+from stplan.seeding.search.levels import Levels
 from stplan.seeding.search.planner import MAX_CLASSES, classes
-from stplan.seeding.search.schedule import SearchResult, search_curves
+from stplan.seeding.search.schedule import Search
+from stplan.seeding.seeder import Attempt
 from stplan.wording import sentences
 from stplan.world import build_free_space
-from tests.seeding.tight_families import make_scene, rectangle
+from tests.seeding.tight_families import budget_of, make_scene, rectangle
 
 ROOM = rectangle(0, 0, 8, 6)
 CROSSING = [((1.0, 3.0), (7.0, 3.0)), ((7.0, 3.0), (1.0, 3.0)), ((4.0, 1.0), (4.0, 5.0))]
 
 
-def search(scene: Scene) -> tuple[PlanningProblem, SearchResult]:
+def search(scene: Scene) -> tuple[PlanningProblem, Attempt]:
     problem = PlanningProblem.from_scene(scene, build_free_space(scene))
-    return problem, search_curves(problem, settings=scene.seeding)
+    return problem, Search(Levels(problem)).attempt(budget_of(scene))
 
 
 def solved(scene: Scene) -> tuple[PlanningProblem, list[np.ndarray]]:
     problem, result = search(scene)
-    assert result.curves is not None, sentences(result.diagnosis)
+    assert result.clear, sentences(result.reasons)
     assert verify(problem, result.curves) == []
     return problem, result.curves
 
@@ -153,16 +156,16 @@ def test_too_few_layers_are_named() -> None:
     scene = make_scene("x", ROOM, [], CROSSING)
     scene = replace(scene, seeding=replace(scene.seeding, layers=1, time_limit=2.0))
     _, result = search(scene)
-    assert result.curves is None
-    assert {reason.kind for reason in result.diagnosis} == {"layers"}
+    assert not result.clear
+    assert {reason.kind for reason in result.reasons} == {"layers"}
 
 
 def test_a_swap_in_a_lane_without_a_pocket_is_given_up_soon() -> None:
     lane = rectangle(0, 0, 6, 0.8)
     journeys = [((1.0, 0.4), (5.0, 0.4)), ((5.0, 0.4), (1.0, 0.4))]
     _, result = search(make_scene("x", lane, [], journeys, horizon=20.0))
-    assert result.curves is None
-    (reason,) = result.diagnosis
+    assert not result.clear
+    (reason,) = result.reasons
     assert reason.kind == "blocked"
     assert reason.agents == ("a0", "a1")
     assert result.tries < 1000
@@ -175,8 +178,8 @@ def test_a_jam_of_many_says_who_touches_where_and_when() -> None:
     scene = make_scene("x", lane, [], journeys, horizon=20.0)
     scene = replace(scene, seeding=replace(scene.seeding, time_limit=0.5))
     _, result = search(scene)
-    assert result.curves is None
-    reason = result.diagnosis[0]
+    assert not result.clear
+    reason = result.reasons[0]
     assert reason.kind == "touching"
     assert not reason.proven
     assert reason.place is not None

@@ -6,20 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from stplan.problem.clearance import verify
 from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.verification import verify
 from stplan.scene.model import Scene
-from stplan.seeding.search.schedule import SearchResult
-from stplan.seeding.search.sequential_dijkstra import dijkstra_curves
-from stplan.world import build_free_space, build_seeding_mesh
+from stplan.seeding.search.sequential_dijkstra import SequentialDijkstra
+from stplan.seeding.seeder import Attempt
+from stplan.world import build_free_space
 from tests.seeding import tight_families as families
 
 
-def dijkstra(scene: Scene) -> tuple[PlanningProblem, SearchResult]:
-    free_space = build_free_space(scene)
-    problem = PlanningProblem.from_scene(scene, free_space)
-    mesh = build_seeding_mesh(scene, free_space)
-    return problem, dijkstra_curves(problem, mesh, settings=scene.seeding)
+def dijkstra(scene: Scene) -> tuple[PlanningProblem, Attempt]:
+    problem = PlanningProblem.from_scene(scene, build_free_space(scene))
+    return problem, SequentialDijkstra(problem).attempt(families.budget_of(scene))
 
 
 def circle(count: int) -> Scene:
@@ -31,21 +29,21 @@ def circle(count: int) -> Scene:
 
 def test_agents_change_places_across_a_circle() -> None:
     problem, result = dijkstra(circle(6))
-    assert result.part == "dijkstra"
-    assert result.curves is not None
+    assert result.found_by == "dijkstra"
+    assert result.clear
     assert verify(problem, result.curves) == []
 
 
 def test_the_first_agent_takes_the_shortest_way_of_the_mesh() -> None:
     problem, result = dijkstra(circle(4))
-    assert result.curves is not None
+    assert result.clear
     length = np.hypot(*np.diff(result.curves[0][:, :2], axis=0).T).sum()
     assert length < 1.2 * np.hypot(*(problem.goals[0] - problem.starts[0]))
 
 
 def test_pillars_are_passed() -> None:
     problem, result = dijkstra(families.pillars(np.random.default_rng(4), agents=16))
-    assert result.curves is not None
+    assert result.clear
     assert verify(problem, result.curves) == []
 
 
@@ -59,14 +57,13 @@ def test_waypoints_and_walls_are_heeded() -> None:
     )
     agents = (replace(scene.agents[0], waypoints=((4.0, 5.0), (4.0, 1.0))), scene.agents[1])
     problem, result = dijkstra(replace(scene, agents=agents))
-    assert result.curves is not None
+    assert result.clear
     assert verify(problem, result.curves) == []
 
 
 def test_the_same_scene_gives_the_same_bytes() -> None:
     first, second = (dijkstra(circle(5))[1].curves for _ in range(2))
-    assert first is not None
-    assert second is not None
+    assert len(first) == 5
     assert all(a.tobytes() == b.tobytes() for a, b in zip(first, second, strict=True))
 
 
@@ -74,14 +71,14 @@ def test_a_swap_that_no_order_solves_is_reported() -> None:
     lane = families.rectangle(0, 0, 6, 0.8)
     journeys = [((1.0, 0.4), (5.0, 0.4)), ((5.0, 0.4), (1.0, 0.4))]
     _, result = dijkstra(families.make_scene("lane", lane, [], journeys, horizon=20.0))
-    assert result.curves is None
-    assert {reason.kind for reason in result.diagnosis} == {"order"}
-    assert {reason.agents[0] for reason in result.diagnosis} <= {"a0", "a1"}
+    assert not result.clear
+    assert {reason.kind for reason in result.reasons} == {"order"}
+    assert {reason.agents[0] for reason in result.reasons} <= {"a0", "a1"}
 
 
 def test_too_few_layers_are_reported() -> None:
     scene = circle(4)
     scene = replace(scene, seeding=replace(scene.seeding, layers=2))
     _, result = dijkstra(scene)
-    assert result.curves is None
-    assert {reason.kind for reason in result.diagnosis} == {"layers"}
+    assert not result.clear
+    assert {reason.kind for reason in result.reasons} == {"layers"}

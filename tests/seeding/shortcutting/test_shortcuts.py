@@ -1,4 +1,4 @@
-"""Polish: clear curves stay clear, get cheaper, and end with even durations."""
+"""Shortcutting and retiming: clear curves stay clear, get cheaper, and end with even durations."""
 
 from __future__ import annotations
 
@@ -9,14 +9,23 @@ import pytest
 import shapely
 
 from stplan.arrays import FloatArray
-from stplan.problem.clearance import held_requirement, requirement, verify
 from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.requirement import held_requirement, least_requirement, requirement
+from stplan.problem.verification import verify
 from stplan.scene.model import Scene, Weights
 from stplan.seeding.elastic_bands.relaxation import relax
 from stplan.seeding.shortcutting.resampling import resample_curve
-from stplan.seeding.shortcutting.shortcuts import even_out, polish, prepare_seed, resample, stretch
+from stplan.seeding.shortcutting.shortcuts import (
+    prepare_seed,
+    resample,
+    retime,
+    stretch,
+    take_shortcuts,
+)
 from stplan.world import FreeSpace
 from tests.seeding.families import agent, circle, crossing_flows, energy, open_field, scene
+
+MARGIN = 1.05
 
 
 def shortest_part(curve: FloatArray) -> float:
@@ -46,10 +55,11 @@ def two_rooms() -> FreeSpace:
 )
 def test_prepared_seeds_are_clear_cheap_and_even(one: Scene) -> None:
     problem = PlanningProblem.from_scene(one, None)
-    found = relax(problem)
-    assert found.solved
-    curves = prepare_seed(problem, found.curves)
-    assert verify(problem, curves, 1.03) == []
+    required = requirement(problem, MARGIN)
+    found = relax(problem, required)
+    assert found.clear
+    curves = prepare_seed(problem, found.curves, required)
+    assert verify(problem, curves, requirement(problem, 1.03)) == []
     assert energy(one, curves) <= energy(one, found.curves)
     assert all(30 <= len(curve) <= 100 for curve in curves)
     parts = [shortest_part(curve) for curve in curves]
@@ -57,12 +67,13 @@ def test_prepared_seeds_are_clear_cheap_and_even(one: Scene) -> None:
     assert np.median(parts) > 0.5
 
 
-def test_polish_takes_detours_out() -> None:
+def test_shortcuts_take_detours_out() -> None:
     one, curves = detours()
     problem = PlanningProblem.from_scene(one, None)
     assert verify(problem, curves) == []
-    better = polish(problem, curves)
-    assert verify(problem, better, held_requirement(problem, curves, 1.05)) == []
+    held = held_requirement(problem, curves, requirement(problem, MARGIN))
+    better = take_shortcuts(problem, curves, held)
+    assert verify(problem, better, held) == []
     assert energy(one, better) < 0.5 * energy(one, curves)
     assert sum(map(len, better)) <= sum(map(len, curves)) + 10
 
@@ -70,7 +81,9 @@ def test_polish_takes_detours_out() -> None:
 def test_the_same_seed_gives_the_same_bytes() -> None:
     one, curves = detours()
     problem = PlanningProblem.from_scene(one, None)
-    first, again = (prepare_seed(problem, curves, rng_seed=7) for _ in range(2))
+    first, again = (
+        prepare_seed(problem, curves, requirement(problem, MARGIN), rng_seed=7) for _ in range(2)
+    )
     assert [c.tobytes() for c in first] == [c.tobytes() for c in again]
 
 
@@ -85,7 +98,7 @@ def test_waypoints_and_given_paths_are_kept() -> None:
         np.array(path),
     ]
     problem = PlanningProblem.from_scene(scene(agents), None)
-    result = prepare_seed(problem, curves, 40)
+    result = prepare_seed(problem, curves, requirement(problem, MARGIN), num_knots=40)
     assert verify(problem, result) == []
     assert len(result[0]) == 40
     assert (result[1] == np.array(path)).all()
@@ -96,7 +109,7 @@ def test_stretching_uses_the_time_there_is() -> None:
     agents = [agent("a", (0, 0), (10, 0)), agent("b", (10, 5), (0, 5), max_time=15.0)]
     curves = [np.array([[0, 0, 0], [10, 0, 5.0]]), np.array([[10, 5, 0], [0, 5, 5.0]])]
     problem = PlanningProblem.from_scene(scene(agents), None)
-    slow = stretch(problem, curves, requirement(problem))
+    slow = stretch(problem, curves, least_requirement(problem))
     assert [curve[-1, 2] for curve in slow] == [20.0, 15.0]
 
 
@@ -115,11 +128,11 @@ def test_stretching_minds_starts_tails_and_given_paths() -> None:
     ]
     problem = PlanningProblem.from_scene(scene(agents), None)
     assert verify(problem, curves) == []
-    wanted = held_requirement(problem, curves, 1.05)
+    wanted = held_requirement(problem, curves, requirement(problem, MARGIN))
     slow = stretch(problem, curves, wanted)
     assert verify(problem, slow, wanted) == []
     assert (slow[2] == curves[2]).all()
-    final = prepare_seed(problem, curves)
+    final = prepare_seed(problem, curves, requirement(problem, MARGIN))
     assert verify(problem, final) == []
     assert final[1][0, 2] == 4.0
     assert final[0][-1, 2] > 5.0
@@ -128,7 +141,9 @@ def test_stretching_minds_starts_tails_and_given_paths() -> None:
 def test_arrival_is_not_put_off_beyond_the_preferred_time() -> None:
     keen = agent("k", (0, 0), (10, 0), preferred_time=8.0, weights=Weights(arrival=1.0))
     problem = PlanningProblem.from_scene(scene([keen]), None)
-    result = prepare_seed(problem, [np.array([[0, 0, 0], [10, 0, 5.0]])])
+    result = prepare_seed(
+        problem, [np.array([[0, 0, 0], [10, 0, 5.0]])], requirement(problem, MARGIN)
+    )
     assert result[0][-1, 2] == 8.0
 
 
@@ -140,7 +155,7 @@ def test_walls_are_never_cut() -> None:
     ]
     problem = PlanningProblem.from_scene(scene(agents), two_rooms())
     assert verify(problem, curves) == []
-    result = prepare_seed(problem, curves)
+    result = prepare_seed(problem, curves, requirement(problem, MARGIN))
     assert verify(problem, result) == []
     assert energy(scene(agents), result) < energy(scene(agents), curves)
 
@@ -148,7 +163,8 @@ def test_walls_are_never_cut() -> None:
 def test_who_ignores_walls_may_cut_them() -> None:
     ghost = agent("g", (0, 3), (10, 3), weights=Weights(wall=0.0))
     problem = PlanningProblem.from_scene(scene([ghost]), two_rooms())
-    result = polish(problem, [np.array([[0, 3, 0], [5, 0, 10], [10, 3, 20.0]])])
+    curves = [np.array([[0, 3, 0], [5, 0, 10], [10, 3, 20.0]])]
+    result = take_shortcuts(problem, curves, least_requirement(problem))
     assert np.abs(result[0][:, 1] - 3).max() < 1e-9
 
 
@@ -175,10 +191,11 @@ def test_resampling_a_scene_leaves_given_paths() -> None:
 
 
 @pytest.mark.parametrize("num_knots", [20, 45])
-def test_evening_out_gives_the_knots_asked_for(num_knots: int) -> None:
+def test_retiming_gives_the_knots_asked_for(num_knots: int) -> None:
     one, curves = detours()
     problem = PlanningProblem.from_scene(one, None)
-    result = even_out(problem, curves, num_knots)
+    held = held_requirement(problem, curves, requirement(problem, MARGIN))
+    result = retime(problem, curves, held, num_knots)
     assert [len(curve) for curve in result] == [num_knots] * 2
     assert verify(problem, result) == []
     assert min(shortest_part(curve) for curve in result) > 0.29
@@ -194,7 +211,7 @@ def test_a_corner_of_two_close_knots_becomes_one_knot() -> None:
     problem = PlanningProblem.from_scene(scene(agents), None)
     required = requirement(problem, 1.01)
     assert verify(problem, curves, required) == []
-    result = even_out(problem, curves, 30, required=required)
+    result = retime(problem, curves, required, 30)
     assert verify(problem, result, required) == []
     assert shortest_part(result[0]) >= 0.5
 
@@ -206,6 +223,6 @@ def test_who_stands_keeps_standing() -> None:
         np.array([[0, 3, 0], [9, 3, 20.0]]),
     ]
     problem = PlanningProblem.from_scene(scene(agents), None)
-    result = prepare_seed(problem, curves)
+    result = prepare_seed(problem, curves, requirement(problem, MARGIN))
     assert (result[0][:, :2] == 0.0).all()
     assert verify(problem, result) == []
