@@ -66,7 +66,7 @@ class ContactTerm(Term):
 
     @property
     def contacts(self) -> ContactList:
-        """The present list."""
+        """The present list, complete around the knots it was made for."""
         return self._contacts.contacts
 
     def renewed(self, knots: FloatArray) -> Self:
@@ -92,6 +92,11 @@ class ContactTerm(Term):
         coefficients = self._model.potential.coefficients(measured.distance, contacts)
         term._latest = _Evaluated(knots.copy(), positions, measured, coefficients)
         return term, term._latest
+
+    def measured(self, knots: FloatArray) -> tuple[ContactList, Coefficients]:
+        """The contacts that are complete at `knots`, and what they contribute there."""
+        term, at = self._at(knots)
+        return term.contacts, at.coefficients
 
     @property
     def _axis_scale(self) -> FloatArray:
