@@ -200,13 +200,14 @@ def _planned(
     clock: Clock,
 ) -> Plan:
     """The optimised curves where they hold their certificate, else the seed."""
-    lines, status = optimised.world_lines, optimised.status
+    lines, status, costs = optimised.world_lines, optimised.status, optimised.costs
     if not certificate.holds:
         lines, certificate, status = initial.seed.world_lines, initial.certificate, Status.BROKEN
+        costs = optimised.seed_costs
     content = report(scene, initial.seed, initial.certificate, certificate, lines, status)
     content["linear_solver"] = chosen_linear_solver(scene)
-    content["costs"] = optimised.costs
-    content["outer_iterations"] = optimised.record
+    content["costs"] = dict(costs)
+    content["outer_iterations"] = [done.as_dict() for done in optimised.outer_iterations]
     run = run_record(clock) | {"optimisation": optimisation_times(optimised, clock)}
     return Plan(scene, initial.seed.world_lines, lines, certificate, content, run, status)
 

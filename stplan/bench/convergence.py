@@ -19,8 +19,8 @@ import numpy as np
 from stplan.arrays import FloatArray
 from stplan.bench.solves import warm_up, with_solver
 from stplan.certify.certificate import certify
-from stplan.costs.term import Term
 from stplan.errors import SeedingError, UsageError
+from stplan.nlp.term import Capability, Term
 from stplan.optimize.continuation import optimise
 from stplan.planner import find_initial_curves, prepare
 from stplan.problem.planning_problem import PlanningProblem
@@ -41,7 +41,6 @@ VARIANTS: Mapping[str, Mapping[str, Any]] = {
     "mu of the paper": {"mu": 1.0, "mu_decay": 0.75},
 }
 # Costs that the scene asks for; the others serve the method.
-ASKED = frozenset({"kinetic", "acceleration", "arrival", "grouping"})
 # How near the best cost is near: a hundredth and a thousandth of it above.
 NEAR = (1e-2, 1e-3)
 SMALL_SECONDS, FULL_SECONDS = 3.0, 30.0
@@ -153,7 +152,9 @@ def trace(problem: PlanningProblem, seed: WorldLines, variant: str, time_limit: 
     started = time.perf_counter()
 
     def observe(knots: FloatArray, terms: Sequence[Term]) -> None:
-        costs.append(sum(term.value(knots) for term in terms if term.name in ASKED))
+        costs.append(
+            sum(term.value(knots) for term in terms if Capability.PRICE in term.capabilities)
+        )
         seconds.append(time.perf_counter() - started)
 
     outcome = optimise(

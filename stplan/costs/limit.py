@@ -3,7 +3,7 @@
 w is a vector in the plane that depends on a few knots (a velocity, a change of it, a distance of two
 agents). With f = |w|^2 / limit^2 a limit enters the objective in one of two ways:
 
-    barrier   mu b(1 - f), the barrier of `smooth_distance.barrier`, undefined from f = 1 on;
+    barrier   mu b(1 - f), the barrier of `contacts.barrier`, undefined from f = 1 on;
     penalty   (sqrt(f) - aim)^2 where sqrt(f) > aim, defined everywhere: it leads curves that break
               a limit to where the barrier can take over.
 
@@ -15,18 +15,25 @@ stand-in.
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol, cast
 
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import kernel
+from stplan.costs.blocks import joined_structure, pack_blocks
 from stplan.costs.contacts.barrier import barrier
-from stplan.costs.term import Term, block_structure, pack_blocks
+from stplan.costs.formulation import TermSetup
+from stplan.nlp.term import Capability, Structure, Term
+
+# Feasibility is restored where every limit is kept to this share.
+CONTENT = 0.98
 
 
 @dataclass(frozen=True)
-class Barrier:
+class LimitBarrier:
     """mu b(1 - f), felt where 1 - f < `reach`."""
 
     mu: float
@@ -34,14 +41,21 @@ class Barrier:
 
 
 @dataclass(frozen=True)
-class Penalty:
+class LimitPenalty:
     """weight (sqrt(f) - aim)^2 where sqrt(f) > `aim`."""
 
     weight: float
-    aim: float = 0.95
+    aim: float = 0.93
 
 
-Profile = Barrier | Penalty
+Profile = LimitBarrier | LimitPenalty
+
+
+def limit_profile(setup: TermSetup) -> Profile:
+    """How limits enter a program."""
+    if setup.penalties is None:
+        return LimitBarrier(setup.mu)
+    return LimitPenalty(setup.penalties.limit)
 
 
 @dataclass(frozen=True)
@@ -53,7 +67,24 @@ class Vectors:
     second: FloatArray
 
 
-class Limit(Term):
+class Limiting(Term, Protocol):
+    """A term with `Capability.LIMIT`: it can say whether what it limits is kept."""
+
+    def is_kept(self, knots: FloatArray) -> bool:
+        """Whether everything is kept with a little to spare."""
+        ...
+
+    def state(self, knots: FloatArray) -> str:
+        """How far it is kept, in words."""
+        ...
+
+
+def limits_among(terms: Sequence[Term]) -> list[Limiting]:
+    """The terms that limit."""
+    return [cast(Limiting, term) for term in terms if Capability.LIMIT in term.capabilities]
+
+
+class MotionLimit(Term):
     """Keeps N vectors below their limits.
 
     Args:
@@ -62,6 +93,8 @@ class Limit(Term):
         profile: how the limit enters.
         num_knots: M.
     """
+
+    capabilities = Capability.LIMIT | Capability.RESTORING
 
     def __init__(
         self, stencils: IntArray, limits: FloatArray, profile: Profile, num_knots: int
@@ -82,19 +115,24 @@ class Limit(Term):
         """(N,) |w| over its limit."""
         return np.hypot(*self._vectors(knots).value.T) / self._limits
 
-    @property
-    def barred(self) -> bool:
-        """Whether the limits are kept by a barrier, not aimed at by a penalty."""
-        return isinstance(self._profile, Barrier)
-
     def least_slack(self, knots: FloatArray) -> float:
-        """The least 1 - f, inf where nothing is limited."""
+        """The least 1 - f, inf where nothing is limited or no barrier limits it."""
+        if isinstance(self._profile, LimitPenalty):
+            return np.inf
         return float((1.0 - self.shares(knots) ** 2).min(initial=np.inf))
+
+    def is_kept(self, knots: FloatArray) -> bool:
+        """Whether every limit is kept with a little to spare."""
+        return bool((self.shares(knots) <= CONTENT).all())
+
+    def state(self, knots: FloatArray) -> str:
+        """How far the limits are kept, in words."""
+        return f"{self.name} {100 * float(self.shares(knots).max(initial=0.0)):.0f} %"
 
     def _profiled(self, squared: FloatArray) -> FloatArray:
         """(3, N) phi, phi', phi'' at f."""
         result = np.zeros((3, len(squared)))
-        if isinstance(self._profile, Barrier):
+        if isinstance(self._profile, LimitBarrier):
             _barriers(squared, self._profile.mu, self._profile.reach, result)
             return result
         weight, aim = self._profile.weight, self._profile.aim
@@ -108,7 +146,7 @@ class Limit(Term):
     def value(self, knots: FloatArray) -> float:
         """The cost, inf where a barrier's limit is reached."""
         squared = self.shares(knots) ** 2
-        if isinstance(self._profile, Barrier) and (squared >= 1.0).any():
+        if isinstance(self._profile, LimitBarrier) and (squared >= 1.0).any():
             return np.inf
         return float(self._profiled(squared)[0].sum())
 
@@ -122,16 +160,19 @@ class Limit(Term):
         np.add.at(result, self._stencils, own.reshape(*self._stencils.shape, 3))
         return result
 
-    def hessian_structure(self) -> tuple[IntArray, IntArray]:
+    def hessian_structure(self) -> Structure:
         """Blocks among the knots of every stencil."""
-        parts = [
-            block_structure(self._stencils[:, i], self._stencils[:, j]) for i, j in self._pairs()
-        ]
-        return np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
+        return joined_structure(
+            [(self._stencils[:, i], self._stencils[:, j]) for i, j in self._pairs()]
+        )
 
     def hessian(self, knots: FloatArray) -> FloatArray:
         """Exact second derivatives in the order of the structure."""
         return self._second(knots, exact=True)
+
+    def gauss_newton_structure(self) -> Structure:
+        """That of the Hessian."""
+        return self.hessian_structure()
 
     def gauss_newton_hessian(self, knots: FloatArray) -> FloatArray:
         """Without the curvature of the vectors: positive semidefinite."""

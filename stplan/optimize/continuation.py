@@ -6,32 +6,30 @@ and rebuilt (warm) when an interaction is felt that its sparsity structure has n
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 from stplan.arrays import FloatArray
-from stplan.costs.contacts.contact_term import ContactTerm
-from stplan.costs.term import Term
-from stplan.nlp.ipopt.adapter import FAILURES, IpoptResult, Iteration, Multipliers, solve
+from stplan.costs.formulation import Formulation
+from stplan.nlp.backend import Backend
+from stplan.nlp.ipopt.adapter import Ipopt
 from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
-from stplan.nlp.problem import Problem, Stopwatch
-from stplan.optimize.assembly import Assembly, Formulation, build_limits
-from stplan.optimize.scales import derive_scales
-from stplan.optimize.timed_constraints import find_timed_constraints
-from stplan.problem.layout import KnotLayout
+from stplan.nlp.solution import Iteration, Solution, WarmStart
+from stplan.nlp.step_control import StepControl, Stopwatch
+from stplan.nlp.term import Term
+from stplan.optimize.assembly import assemble, formulate, sharpness_of
+from stplan.optimize.constraints import build_constraints
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
-from stplan.seeding.rendezvous import Rendezvous
 from stplan.status import Status
 
 LiveLine = Callable[[Callable[[], str]], None]
+Observer = Callable[[FloatArray, Sequence[Term]], None]
 
 # A stale structure is rebuilt after at least this many iterations.
 REBUILD_EVERY = 8
-# Relative padding of all distances; halved clearance of the seed where that is less.
-PADDING = 1e-4
 
 
 @dataclass(frozen=True)
@@ -47,23 +45,61 @@ class _Patience:
 ON_THE_WAY = _Patience(window=2, share=1e-1)
 AT_THE_END = _Patience(window=4, share=1e-2)
 
-Observer = Callable[[FloatArray, Sequence[Term]], None]
+
+@dataclass(frozen=True)
+class OuterIteration:
+    """What one mu led to; repeatable (no times).
+
+    Attributes:
+        number: from 1.
+        mu: barrier weight.
+        iterations: of the solver, over all its runs.
+        rebuilds: how often it was rebuilt for a new sparsity structure.
+        objective: at the end, at this mu.
+        clearance: the smallest that is felt, m; inf where none is.
+        status: how it ended.
+    """
+
+    number: int
+    mu: float
+    iterations: int
+    rebuilds: int
+    objective: float
+    clearance: float
+    status: Status
+
+    def as_dict(self) -> dict[str, Any]:
+        """The entry of a report."""
+        return {
+            "outer_iteration": self.number,
+            "mu": self.mu,
+            "iterations": self.iterations,
+            "rebuilds": self.rebuilds,
+            "objective": self.objective,
+            "clearance": self.clearance,
+            "status": self.status,
+        }
 
 
-@dataclass
+@dataclass(frozen=True)
 class Optimisation:
     """The optimised curves and how they were reached.
 
     Attributes:
-        status: how the last outer iteration ended.
-        record: one entry an outer iteration, repeatable (no times).
+        status: how the last outer iteration ended that did not fail; failed where the first one did.
+        outer_iterations: one an outer iteration.
+        costs: every term at the optimised curves and the last mu, by its name.
+        seed_costs: the same at the seed.
         watch: seconds, for the run record only.
+        iterations: of the solver in all.
+        nonzeros: most entries of a Hessian.
     """
 
     world_lines: WorldLines
     status: Status
-    record: list[dict[str, Any]]
-    costs: dict[str, float]
+    outer_iterations: tuple[OuterIteration, ...]
+    costs: Mapping[str, float]
+    seed_costs: Mapping[str, float]
     watch: Stopwatch = field(default_factory=Stopwatch)
     iterations: int = 0
     nonzeros: int = 0
@@ -72,7 +108,7 @@ class Optimisation:
 class _Stop:
     """Decides after every iteration whether an outer iteration is over, and remembers why.
 
-    Runs of Ipopt that are only cut short for a new structure count as one: `problem` is the present one's.
+    Runs that are only cut short for a new structure count as one: `control` is the present one's.
     """
 
     def __init__(
@@ -85,32 +121,34 @@ class _Stop:
         # The paper's centimetre suits people; a maze of vacuum cleaners needs a share of their size.
         self._step_unit = min(1.0, *(agent.radius for agent in scene.agents))
         self._values: list[float] = []
-        self.problem: Problem | None = None
-        self.why = ""
+        self.control: StepControl | None = None
+        self.status: Status | None = None
+        self.stale = False
 
     def __call__(self, iteration: Iteration) -> bool:
         if iteration.number or not self._values:
             self._values.append(iteration.objective)
-        self.why = self._reason(iteration)
-        return bool(self.why)
-
-    def _reason(self, iteration: Iteration) -> str:
+        self.stale = False
         if self._interrupted():
-            return "interrupted"
-        if iteration.number >= REBUILD_EVERY and self.problem and self.problem.is_stale():
-            return "stale"
+            self.status = Status.INTERRUPTED
+        elif iteration.number >= REBUILD_EVERY and self.control and self.control.is_stale():
+            self.stale = True
+        elif self._has_converged(iteration):
+            self.status = Status.CONVERGED
+        return self.stale or self.status is not None
+
+    def _has_converged(self, iteration: Iteration) -> bool:
         if iteration.number < 1:
-            return ""
+            return False
         small = self._solver.step_tolerance * self._step_unit
         if iteration.step <= small and not iteration.damped:
-            return "converged"
+            return True
         window = self._patience.window
-        if len(self._values) > window:
-            fall = self._values[-1 - window] - self._values[-1]
-            scale = max(abs(self._values[-1] - self._floor), 1e-12)
-            if fall <= self._patience.share * self._solver.optimality_tolerance * scale:
-                return "converged"
-        return ""
+        if len(self._values) <= window:
+            return False
+        fall = self._values[-1 - window] - self._values[-1]
+        scale = max(abs(self._values[-1] - self._floor), 1e-12)
+        return fall <= self._patience.share * self._solver.optimality_tolerance * scale
 
 
 def optimise(
@@ -121,6 +159,7 @@ def optimise(
     stop: Callable[[], bool],
     observe: Observer | None = None,
     live: LiveLine | None = None,
+    backend: Backend | None = None,
 ) -> Optimisation:
     """Make `seed` smooth and cheap by the paper's outer loop.
 
@@ -129,208 +168,170 @@ def optimise(
         stop: asked after every iteration; True ends with the best feasible curves.
         observe: called with the knots (M, 3) and the terms of the objective after every iteration.
         live: given a maker of the same line after every iteration, to be called at once or not at all.
+        backend: what solves the nonlinear programs, Ipopt as the scene has it by default.
 
     Raises:
         SolverError: Ipopt lacks the linear solver or an option asked for.
     """
-    layout = KnotLayout.from_offsets(seed.offsets)
-    formulation = formulate(problem, layout, seed.knots)
-    loop = _Loop(formulation, seed.knots, progress, stop, observe, live)
-    loop.run()
-    return loop.result(seed)
+    formulation = formulate(problem, seed)
+    solver = ipopt(problem.scene) if backend is None else backend
+    loop = _Loop(formulation, seed, solver, progress, stop, observe, live)
+    return loop.run()
 
 
-def formulate(
-    problem: PlanningProblem,
-    layout: KnotLayout,
-    knots: FloatArray,
-    *,
-    free_times: bool = False,
-    planned: Sequence[Rendezvous] = (),
-) -> Formulation:
-    """What stays the same while `problem` is optimised from seed `knots` (M, 3).
+def ipopt(scene: Scene) -> Ipopt:
+    """The backend that `scene` asks for.
 
-    With `free_times`, visits and meetings are bound in place only. Pairs with a `planned` place meet there.
+    Raises:
+        SolverError: the installed Ipopt lacks the linear solver asked for.
     """
-    timed = find_timed_constraints(problem, layout, knots, planned)
-    formulation = Formulation(
-        problem=problem,
-        layout=layout,
-        scales=derive_scales(problem, layout, knots),
-        limits=build_limits(problem, layout, knots, timed, free_times=free_times),
-        timed=timed,
-        padding=0.0,
+    solver = scene.solver
+    return Ipopt(
+        chosen_linear_solver(scene), solver.hessian == "limited-memory", dict(solver.ipopt)
     )
-    return _padded(formulation, knots)
-
-
-def _padded(formulation: Formulation, knots: FloatArray) -> Formulation:
-    """The formulation with as much padding as the seed's clearance allows."""
-    terms = Assembly(formulation).interaction_terms(knots, 0.0)
-    least = _least_clearance(terms, knots)
-    widest = float(formulation.problem.distance.max())
-    return replace(formulation, padding=float(min(PADDING, 0.5 * max(least, 0.0) / widest)))
-
-
-def _least_clearance(terms: Sequence[Term], knots: FloatArray) -> float:
-    """Smallest clearance that a barrier sees, m; inf where there are no barriers."""
-    contacts = [term for term in terms if isinstance(term, ContactTerm)]
-    return min((term.least_clearance(knots) for term in contacts), default=float("inf"))
 
 
 class _Loop:
     def __init__(
         self,
         formulation: Formulation,
-        knots: FloatArray,
+        seed: WorldLines,
+        backend: Backend,
         progress: Callable[[str], None],
-        interrupted: Callable[[], bool],
+        stop: Callable[[], bool],
         observe: Observer | None,
         live: LiveLine | None,
     ) -> None:
         self._formulation = formulation
-        self._assembly = Assembly(formulation)
-        self._knots = knots
+        self._constraints = build_constraints(
+            formulation.problem, formulation.layout, seed.knots, formulation.timed
+        )
+        self._seed = seed
+        self._knots = seed.knots
+        self._backend = backend
         self._progress = progress
-        self._interrupted = interrupted
+        self._stop = stop
         self._observe = observe
         self._live = live
-        self._linear_solver = chosen_linear_solver(formulation.problem.scene)
         self._watch = Stopwatch()
-        self._record: list[dict[str, Any]] = []
-        self._status = Status.CONVERGED
-        self._iterations = 0
-        self._nonzeros = 0
+        self._sharpness: dict[str, FloatArray] = {}
+        self._done: list[OuterIteration] = []
+        self._seed_costs: dict[str, float] = {}
+        self._iterations = self._nonzeros = 0
         self._terms: Sequence[Term] = ()
         # What the regularity term costs at its best: no part of the objective worth converging.
         self._floor = float((formulation.scales.regularity * formulation.layout.num_segments).sum())
 
-    def run(self) -> None:
-        """All outer iterations, or until one is interrupted or fails."""
+    def run(self) -> Optimisation:
+        """All outer iterations, or until one is interrupted or gets nowhere."""
         solver = self._formulation.problem.scene.solver
         mu = self._formulation.scales.mu
         for outer in range(solver.outer_iterations):
-            before = self._status
-            self._outer_iteration(outer, mu)
-            if self._status is Status.FAILED and outer > 0:
-                # Too near its limits to move at all: what the last mu left is the result.
-                self._status = before
-                return
-            if self._status in (Status.INTERRUPTED, Status.FAILED):
-                return
+            moved = self._outer_iteration(outer, mu)
+            done = self._done[-1]
+            self._progress(
+                f"{self._line(outer, mu, done.objective, done.clearance, done.iterations)}"
+                f"  {done.status}"
+            )
+            # Where nothing moves any more, curves are too near their limits: the last mu's are the result.
+            if done.status is Status.INTERRUPTED or (done.status is Status.FAILED and not moved):
+                break
             mu *= solver.mu_decay
+        return self._result()
 
-    def _outer_iteration(self, outer: int, mu: float) -> None:
-        solver = self._formulation.problem.scene.solver
-        left = solver.max_iterations
-        multipliers: Multipliers | None = None
-        ipopt_mu: float | None = None
+    def _outer_iteration(self, outer: int, mu: float) -> bool:
+        """Minimise at one mu; returns whether that changed the objective."""
+        scene = self._formulation.problem.scene
+        patience = AT_THE_END if outer == scene.solver.outer_iterations - 1 else ON_THE_WAY
+        stop = _Stop(scene, self._floor, patience, self._stop)
+        warm_start: WarmStart | None = None
         used = rebuilds = 0
         damping = 0.0
         before: float | None = None
-        patience = AT_THE_END if outer == solver.outer_iterations - 1 else ON_THE_WAY
-        stop = _Stop(self._formulation.problem.scene, self._floor, patience, self._interrupted)
         while True:
-            problem = self._assembly.problem(self._knots, mu, self._watch, damping)
-            self._nonzeros = max(self._nonzeros, len(problem.hessian_rows))
+            program = assemble(
+                self._formulation, self._constraints, self._knots, mu, sharpness=self._sharpness
+            )
+            control = StepControl(program, self._knots, damping=damping, watch=self._watch)
             if before is None:
-                before = problem.value(self._knots.ravel())
-            stop.problem = problem
-            watched = self._watched(stop, problem, outer, mu, used)
-            outcome = self._solve(problem, left, watched, multipliers, ipopt_mu)
-            self._knots = outcome.knots
-            used += outcome.iterations
-            left = solver.max_iterations - used
-            damping = problem.damping
-            if stop.why != "stale" or left <= 0:
+                before = control.value(self._knots.ravel())
+            if not self._seed_costs:
+                self._seed_costs = {term.name: term.value(self._knots) for term in control.terms}
+            self._nonzeros = max(self._nonzeros, len(program.hessian_structure[0]))
+            stop.control = control
+            solution = self._backend.solve(
+                control,
+                self._knots,
+                max_iterations=scene.solver.max_iterations - used,
+                objective_scale=1.0 / self._formulation.scales.energy,
+                stop=self._watched(stop, control, outer, mu, used),
+                warm_start=warm_start,
+            )
+            self._knots = solution.knots
+            self._sharpness = sharpness_of(control.terms)
+            used += solution.iterations
+            damping = control.damping
+            if not stop.stale or used >= scene.solver.max_iterations:
                 break
-            multipliers = outcome.multipliers
-            ipopt_mu = outcome.ipopt_mu
+            warm_start = solution.warm_start
             rebuilds += 1
         self._iterations += used
-        after = problem.value(self._knots.ravel())
-        self._terms = problem.terms
-        self._status = self._judge(outcome, stop.why, before, after)
-        least = _least_clearance(problem.terms, self._knots)
-        self._record.append(
-            {
-                "outer_iteration": outer + 1,
-                "mu": mu,
-                "iterations": used,
-                "rebuilds": rebuilds,
-                "objective": after,
-                "clearance": least,
-                "status": self._status,
-            }
-        )
-        self._progress(f"{self._line(outer, mu, after, least, used)}  {self._status}")
+        self._terms = control.terms
+        after = control.value(self._knots.ravel())
+        self._done.append(
+            OuterIteration(
+                outer + 1, mu, used, rebuilds, after, control.least_clearance(self._knots),
+                _judge(stop, solution, moved=before != after),
+            )
+        )  # fmt: skip
+        return before != after
 
     def _line(self, outer: int, mu: float, objective: float, least: float, used: int) -> str:
+        total = self._formulation.problem.scene.solver.outer_iterations
         return (
-            f"outer {outer + 1}/{self._formulation.problem.scene.solver.outer_iterations}  mu {mu:.3g}  "
-            f"objective {objective:.6g}  rod clearance {least:.3g} m  {used} iterations"
+            f"outer {outer + 1}/{total}  mu {mu:.3g}  objective {objective:.6g}  "
+            f"rod clearance {least:.3g} m  {used} iterations"
         )
 
     def _watched(
-        self, stop: _Stop, problem: Problem, outer: int, mu: float, used: int
+        self, stop: _Stop, control: StepControl, outer: int, mu: float, used: int
     ) -> Callable[[Iteration], bool]:
         """`stop`, telling the observer and the live line about every iteration."""
 
         def watched(iteration: Iteration) -> bool:
             if self._observe is not None:
-                self._observe(iteration.knots, problem.terms)
+                self._observe(iteration.knots, control.terms)
             over = stop(iteration)
             if self._live is not None:
                 self._live(
                     lambda: self._line(
-                        outer, mu, iteration.objective,
-                        _least_clearance(problem.terms, iteration.knots), used + iteration.number,
+                        outer, mu, iteration.objective, control.least_clearance(iteration.knots),
+                        used + iteration.number,
                     )
                 )  # fmt: skip
             return over
 
         return watched
 
-    def _solve(
-        self,
-        problem: Problem,
-        left: int,
-        stop: Callable[[Iteration], bool],
-        multipliers: Multipliers | None,
-        ipopt_mu: float | None,
-    ) -> IpoptResult:
-        solver = self._formulation.problem.scene.solver
-        return solve(
-            problem,
-            self._knots,
-            max_iterations=left,
-            linear_solver=self._linear_solver,
-            objective_scale=1.0 / self._formulation.scales.energy,
-            limited_memory=solver.hessian == "limited-memory",
-            options=solver.ipopt,
-            stop=stop,
-            multipliers=multipliers,
-            ipopt_mu=ipopt_mu,
-        )
-
-    def _judge(self, outcome: IpoptResult, why: str, before: float, after: float) -> Status:
-        if why == "interrupted":
-            return Status.INTERRUPTED
-        if why == "converged" or outcome.status in (0, 1):
-            return Status.CONVERGED
-        if outcome.status in FAILURES and before == after:
-            return Status.FAILED
-        return Status.LIMIT
-
-    def result(self, seed: WorldLines) -> Optimisation:
+    def _result(self) -> Optimisation:
         """What was reached, with the cost of every term at the last mu."""
-        costs = {term.name: term.value(self._knots) for term in self._terms}
+        sound = [done.status for done in self._done if done.status is not Status.FAILED]
         return Optimisation(
-            world_lines=seed.with_knots(self._knots),
-            status=self._status,
-            record=self._record,
-            costs=costs,
+            world_lines=self._seed.with_knots(self._knots),
+            status=sound[-1] if sound else Status.FAILED,
+            outer_iterations=tuple(self._done),
+            costs={term.name: term.value(self._knots) for term in self._terms},
+            seed_costs=self._seed_costs,
             watch=self._watch,
             iterations=self._iterations,
             nonzeros=self._nonzeros,
         )
+
+
+def _judge(stop: _Stop, solution: Solution, moved: bool) -> Status:
+    """How an outer iteration ended: as its last run did, unless it was stopped for a reason."""
+    if stop.status is not None:
+        return stop.status
+    if solution.status is Status.INTERRUPTED or (solution.status is Status.LIMIT and moved):
+        return Status.LIMIT
+    return Status.FAILED if solution.status is Status.LIMIT else solution.status

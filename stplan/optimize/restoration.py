@@ -14,13 +14,16 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.costs.limit import Barrier, Penalty
-from stplan.costs.timing import NONE, Timing
-from stplan.nlp.ipopt.adapter import Iteration, solve
+from stplan.costs.formulation import Formulation, Penalties, TermSetup
+from stplan.costs.limit import limits_among
+from stplan.costs.registry import build_terms
+from stplan.nlp.ipopt.adapter import Ipopt
 from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
-from stplan.nlp.problem import Problem
-from stplan.optimize.assembly import Assembly, Formulation
-from stplan.optimize.continuation import formulate
+from stplan.nlp.solution import Iteration
+from stplan.nlp.step_control import StepControl
+from stplan.nlp.term import Capability
+from stplan.optimize.assembly import assemble, formulate, sharpness_of
+from stplan.optimize.constraints import build_constraints
 from stplan.optimize.timed_constraints import visit_knots
 from stplan.problem.layout import KnotLayout
 from stplan.problem.planning_problem import PlanningProblem
@@ -32,10 +35,7 @@ from stplan.seeding.shortcutting.resampling import resample_curve
 # Weights of the penalties, in mean kinetic costs; and iterations spent on each of them.
 WEIGHTS = (1.0, 10.0, 100.0, 1e3, 1e4, 1e5)
 ITERATIONS = 60
-# Penalties aim at this share of a limit and are content with the other.
-AIM = 0.93
-CONTENT = 0.98
-# Timing aims this far inside its intervals, in mean durations of a segment, and is content at half of it.
+# Penalties of times aim this far inside their intervals, in mean durations of a segment.
 INSET = 0.02
 # A dwelling agent's second knot starts out this part of the next segment after the first, the first
 # part that leaves everybody clear.
@@ -73,106 +73,82 @@ def restore(
     if not asks_for_more(problem):
         return seed
     lines = _with_dwells(problem, _with_prescribed_knots(problem, seed))
-    layout = KnotLayout.from_offsets(lines.offsets)
-    formulation = formulate(problem, layout, lines.knots, free_times=True, planned=planned)
-    rounds = _Rounds(formulation, lines.knots, stop)
+    rounds = _Rounds(formulate(problem, lines, planned), lines.knots, stop)
     for number, weight in enumerate(WEIGHTS, start=1):
-        if rounds.content() or stop():
+        if rounds.is_content(rounds.knots) or stop():
             break
         progress(f"restoring speeds and times, round {number}: {rounds.state()}")
         rounds.run(weight)
-    if not rounds.content():
-        return lines.with_knots(rounds.knots)
-    links = formulation.timed.links
-    return lines.with_knots(_on_time(problem, layout, rounds.knots, links))
+    lines = lines.with_knots(rounds.knots)
+    if not rounds.is_content(rounds.knots):
+        return lines
+    return _on_time(problem, lines, rounds.formulation.timed.links)
 
 
 class _Rounds:
-    """Penalised problems around the current knots."""
+    """Penalised programs around the current knots."""
 
     def __init__(
         self, formulation: Formulation, knots: FloatArray, stop: Callable[[], bool]
     ) -> None:
-        self._formulation = formulation
-        self._stop = stop
-        self._assembly = Assembly(formulation)
+        self.formulation = formulation
         self.knots = knots
-        self._inset = INSET * float(
-            np.median(
-                knots[formulation.layout.segment + 1, 2] - knots[formulation.layout.segment, 2]
-            )
+        self._stop = stop
+        self._sharpness: dict[str, FloatArray] = {}
+        layout = formulation.layout
+        self._constraints = build_constraints(
+            formulation.problem, layout, knots, formulation.timed, free_times=True
         )
+        self._backend = Ipopt(chosen_linear_solver(formulation.problem.scene))
+        self._duration = float(np.median(knots[layout.segment + 1, 2] - knots[layout.segment, 2]))
+        setup = TermSetup(formulation, knots, 0.0, self._penalties(1.0))
+        self._limits = limits_among(build_terms(setup, Capability.LIMIT))
 
-    def content(self, knots: FloatArray | None = None) -> bool:
+    def is_content(self, knots: FloatArray) -> bool:
         """Whether every limit is kept with a little to spare."""
-        at = self.knots if knots is None else knots
-        shares = [term.shares(at) for term in self._assembly.limit_terms(Barrier(0.0))]
-        late = self._timing(1.0, 0.5 * self._inset, 0.25 * self._inset).missing(at)
-        return all((share <= CONTENT).all() for share in shares) and not late.any()
+        return all(term.is_kept(knots) for term in self._limits)
 
     def state(self) -> str:
         """How far the limits are kept, in words."""
-        terms = self._assembly.limit_terms(Barrier(0.0))
-        found = [
-            f"{term.name} {100 * float(term.shares(self.knots).max(initial=0.0)):.0f} %"
-            for term in terms
-        ]
-        late = np.abs(self._timing(1.0, 0.0, 0.0).missing(self.knots)).max(initial=0.0)
-        return ", ".join([*found, f"times {late:.2g} s off"])
+        return ", ".join(term.state(self.knots) for term in self._limits)
 
     def run(self, weight: float) -> None:
         """One round at a penalty weight."""
-        formulation, scales = self._formulation, self._formulation.scales
-        kept = ("kinetic", "regularity")
-        terms = [term for term in self._assembly.own_terms() if term.name in kept]
-        terms += self._assembly.interaction_terms(self.knots, scales.mu)
-        terms += self._assembly.limit_terms(Penalty(weight * scales.energy, AIM))
-        # A time that is off by a mean duration weighs like a limit exceeded by its whole.
-        unit = (self._inset / INSET) ** 2
-        terms.append(self._timing(weight * scales.energy / unit, self._inset, 0.0))
-        problem = Problem(
-            formulation.layout, terms, formulation.limits, stiffness=self._assembly.stiffness
-        )
-        outcome = solve(
-            problem,
+        scales = self.formulation.scales
+        program = assemble(
+            self.formulation, self._constraints, self.knots, scales.mu,
+            sharpness=self._sharpness, penalties=self._penalties(weight),
+        )  # fmt: skip
+        control = StepControl(program, self.knots)
+        solution = self._backend.solve(
+            control,
             self.knots,
             max_iterations=ITERATIONS,
-            linear_solver=chosen_linear_solver(formulation.problem.scene),
             objective_scale=1.0 / (scales.energy * max(1.0, 0.01 * weight)),
-            limited_memory=False,
-            options={},
-            stop=_Content(self, problem, self._stop),
+            stop=_Content(self, control, self._stop),
         )
-        self.knots = outcome.knots
+        self.knots = solution.knots
+        self._sharpness = sharpness_of(control.terms)
 
-    def _timing(self, weight: float, inset: float, apart: float) -> Timing:
-        """Penalties of visits less than `inset` inside their times, of meetings more than `apart` (s)."""
-        found = self._formulation.timed
-        inside = np.minimum(inset, 0.25 * np.ptp(found.window, axis=1))
-        alone = np.column_stack([np.full_like(found.windowed, NONE), found.windowed])
-        links = np.full(len(found.links), apart)
-        low = [found.window[:, 0] + inside, found.dwell + inset, -links]
-        high = [found.window[:, 1] - inside, np.full(len(found.dwell), np.inf), links]
-        return Timing(
-            np.vstack([alone, found.stays, found.links]),
-            np.concatenate(low),
-            np.concatenate(high),
-            weight,
-            self._formulation.layout.num_knots,
-        )
+    def _penalties(self, weight: float) -> Penalties:
+        """A time that is off by a mean duration weighs like a limit exceeded by its whole."""
+        whole = weight * self.formulation.scales.energy
+        inset = INSET * self._duration
+        unit = (inset / INSET) ** 2
+        return Penalties(limit=whole, timing=whole / unit, inset=inset)
 
 
 class _Content:
     """Ends a round as soon as all limits are kept, or where it gets no further."""
 
-    def __init__(self, rounds: _Rounds, problem: Problem, stop: Callable[[], bool]) -> None:
-        self._rounds, self._problem, self._stop = rounds, problem, stop
+    def __init__(self, rounds: _Rounds, control: StepControl, stop: Callable[[], bool]) -> None:
+        self._rounds, self._control, self._stop = rounds, control, stop
         self._values: list[float] = []
 
     def __call__(self, iteration: Iteration) -> bool:
         self._values.append(iteration.objective)
-        stale = iteration.number >= REBUILD_EVERY and self._problem.is_stale()
-        if stale or self._stop() or self._rounds.content(iteration.knots):
+        stale = iteration.number >= REBUILD_EVERY and self._control.is_stale()
+        if stale or self._stop() or self._rounds.is_content(iteration.knots):
             return True
         if len(self._values) <= STALL_WINDOW:
             return False
@@ -201,9 +177,8 @@ def _with_dwells(problem: PlanningProblem, seed: WorldLines) -> WorldLines:
             for agent, curve in zip(problem.scene.agents, seed.curves(), strict=True)
         ]
         lines = WorldLines.from_curves(seed.agent_ids, curves)
-        layout = KnotLayout.from_offsets(lines.offsets)
-        formulation = formulate(problem, layout, lines.knots, free_times=True)
-        terms = Assembly(formulation).interaction_terms(lines.knots, 1.0)
+        setup = TermSetup(formulate(problem, lines), lines.knots, 1.0)
+        terms = build_terms(setup, Capability.CLEARANCE)
         if all(np.isfinite(term.value(lines.knots)) for term in terms):
             break
     return lines
@@ -226,13 +201,12 @@ def _dwelling(agent: Agent, curve: FloatArray, part: float) -> FloatArray:
     return curve
 
 
-def _on_time(
-    problem: PlanningProblem, layout: KnotLayout, knots: FloatArray, links: IntArray
-) -> FloatArray:
-    """`knots` with exactly one time for all knots of a meeting: that of a prescribed path, or the mean."""
-    result = knots.copy()
+def _on_time(problem: PlanningProblem, lines: WorldLines, links: IntArray) -> WorldLines:
+    """`lines` with exactly one time for all knots of a meeting: that of a prescribed path, or the mean."""
     if not len(links):
-        return result
+        return lines
+    layout, knots = KnotLayout.from_offsets(lines.offsets), lines.knots
+    result = knots.copy()
     given = problem.prescribed[layout.agent_of_knot]
     shape = (layout.num_knots, layout.num_knots)
     graph = csr_array((np.ones(len(links)), (links[:, 0], links[:, 1])), shape=shape)
@@ -241,4 +215,4 @@ def _on_time(
         own = np.flatnonzero(part_of == part)
         prescribed = own[given[own]]
         result[own, 2] = knots[prescribed[0] if len(prescribed) else own, 2].mean()
-    return result
+    return lines.with_knots(result)

@@ -7,12 +7,11 @@ hundredth of the agent's own kinetic cost.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.costs.kinetic import Kinetic
+from stplan.costs.formulation import Scales
+from stplan.costs.terms.kinetic import Kinetic
 from stplan.problem.layout import KnotLayout
 from stplan.problem.planning_problem import PlanningProblem
 
@@ -24,28 +23,6 @@ REGULARITY_SHARE = 1e-2
 LEAST_WEIGHT = 1e-3
 # Barrier range over the distance R_ab of a pair, and over the radius at walls.
 RANGE_SHARE = 0.25
-
-
-@dataclass(frozen=True)
-class Scales:
-    """Weights derived from a seed.
-
-    Attributes:
-        energy: E, mean kinetic cost per agent, the unit of the objective.
-        mu: barrier weight of the first outer iteration.
-        regularity: (A,) K^R.
-        stiffness: (A,) mass over the mean duration of a segment, kg/s: the scale of kinetic second
-            derivatives.
-        pair_reach: (A, A) m, clearance at which repulsion starts.
-        wall_reach: (A,) m.
-    """
-
-    energy: float
-    mu: float
-    regularity: FloatArray
-    stiffness: FloatArray
-    pair_reach: FloatArray
-    wall_reach: FloatArray
 
 
 def derive_scales(problem: PlanningProblem, layout: KnotLayout, knots: FloatArray) -> Scales:

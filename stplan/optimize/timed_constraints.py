@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.arrays import BoolArray, FloatArray
+from stplan.costs.formulation import TimedConstraints
 from stplan.problem.layout import KnotLayout
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.interactions import Meeting
@@ -20,26 +20,6 @@ WAYPOINT_TOLERANCE = 1e-9
 SAME_TIME = 1e-9
 # More than any distance of a scene, m.
 FAR = 1e9
-
-
-@dataclass(frozen=True)
-class TimedConstraints:
-    """Knots with a place or a time of their own.
-
-    Attributes:
-        places: (P,) knots on waypoints.
-        stays: (D, 2) knots between which an agent dwells, `dwell` (D,) for how long at least, s.
-        windowed: (W,) knots whose time lies in `window` (W, 2), s.
-        links: (L, 2) knots i < j at which a pair meets, `within` (L,) m of each other.
-    """
-
-    places: IntArray
-    stays: IntArray
-    dwell: FloatArray
-    windowed: IntArray
-    window: FloatArray
-    links: IntArray
-    within: FloatArray
 
 
 def find_timed_constraints(

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.costs.acceleration import Acceleration
-from stplan.costs.acceleration_limit import AccelerationLimit, RestLimit
-from stplan.costs.arrival import Arrival
-from stplan.costs.collision import Collision
-from stplan.costs.grouping import Grouping
-from stplan.costs.kinetic import Kinetic
-from stplan.costs.limit import Barrier, Penalty
-from stplan.costs.meeting import MeetingLimit
-from stplan.costs.regularity import Regularity
-from stplan.costs.speed_limit import SpeedLimit
-from stplan.costs.term import Term
-from stplan.costs.timing import NONE, Timing
-from stplan.costs.wall import Wall
+from stplan.costs.limit import LimitBarrier, LimitPenalty
+from stplan.costs.terms.acceleration import Acceleration
+from stplan.costs.terms.acceleration_limit import AccelerationLimit, RestLimit
+from stplan.costs.terms.arrival import Arrival
+from stplan.costs.terms.collision import Collision
+from stplan.costs.terms.grouping import Grouping
+from stplan.costs.terms.kinetic import Kinetic
+from stplan.costs.terms.meeting import MeetingLimit
+from stplan.costs.terms.regularity import Regularity
+from stplan.costs.terms.speed_limit import SpeedLimit
+from stplan.costs.terms.timing import NONE, Intervals, Timing
+from stplan.costs.terms.wall import Wall
+from stplan.geometry.boundary_grid import BoundaryGrid
+from stplan.nlp.term import Term
 from stplan.problem.layout import KnotLayout
 from stplan.problem.rods import Rods
 from stplan.scene.interactions import Interactions
@@ -52,47 +56,67 @@ def sample_interactions() -> Interactions:
     return Interactions(~np.eye(3, dtype=bool), np.full((3, 3), 0.5), weight, grouping)
 
 
-def sample_terms(exact: bool = True) -> dict[str, Term]:
-    """Every room under a label, ready to be differentiated at `sample_knots()`."""
-    knots = sample_knots()
-    weights = np.array([2.0, 3.0, 0.7])
-    interactions = sample_interactions()
-    # One tail only: two upright tails have no unique closest points when their feet are moved.
-    rods = Rods.build(LAYOUT, knots, np.array([2]), 12.0, 1.3)
-    terms: dict[str, Term] = {
-        "kinetic": Kinetic(LAYOUT, weights, np.array([1.0, 5.0, 2.0])),
-        "acceleration": Acceleration(LAYOUT, np.array([2.0, 0.0, 0.7]), 1.7),
-        "arrival": Arrival(LAYOUT, weights, np.array([3.0, 4.0, 9.0])),
-        "regularity": Regularity(LAYOUT, weights, np.array([0.1, 0.2, 0.0]), exact=exact),
-        "grouping": Grouping(knots, rods, interactions, 3.0, exact=exact),
-    }
+# One tail only: two upright tails have no unique closest points when their feet are moved.
+RODS = Rods.build(LAYOUT, sample_knots(), np.array([2]), 12.0, 1.3)
+BOUNDARY = BoundaryGrid(np.hstack([CORNERS[EDGES[:, 0]], CORNERS[EDGES[:, 1]]]))
+WEIGHTS = np.array([2.0, 3.0, 0.7])
+# The penalty's aim lies below some of the vectors and above others.
+PROFILES = (LimitBarrier(0.7, 0.9), LimitBarrier(0.7, np.inf), LimitPenalty(1.3, 0.4))
+REACHES = (1.5, np.inf)
+ALPHAS = (None, 8.0)
+
+
+def _timing() -> Timing:
     timed = np.array([[2, 8], [8, 2], [3, 4], [NONE, 9], [NONE, 14], [9, 10]])
-    terms["timing"] = Timing(
-        timed,
-        np.array([0.5, 0.1, 2.0, 0.0, 9.0, 0.1]),
-        np.array([0.7, 0.2, 3.0, 2.0, 12.0, 5.0]),
-        1.7,
-        len(knots),
+    aim = Intervals(
+        np.array([0.5, 0.1, 2.0, 0.0, 9.0, 0.1]), np.array([0.7, 0.2, 3.0, 2.0, 12.0, 5.0])
     )
+    return Timing(timed, aim, 1.7, LAYOUT.num_knots)
+
+
+def sample_collision(reach: float, alpha_0: float | None) -> Collision:
+    """All three rods of `sample_knots()`; the outer two are out of a finite reach."""
+    reaches = np.full((3, 3), reach)
+    if np.isfinite(reach):
+        reaches[0, 2] = reaches[2, 0] = 0.3
+    return Collision(sample_knots(), RODS, sample_interactions(), 0.7, reaches, alpha_0=alpha_0)
+
+
+def sample_wall(reach: float, alpha_0: float | None) -> Wall:
+    """The room and its pillar; the second agent minds no walls, the third is out of a finite reach."""
+    reaches = np.array([reach, reach, 0.2 if np.isfinite(reach) else reach])
+    return Wall(
+        sample_knots(), LAYOUT, BOUNDARY, CORNERS, EDGES, RADII, np.array([1.0, 0.0, 2.0]), 0.7,
+        reaches, alpha_0=alpha_0,
+    )  # fmt: skip
+
+
+def samples() -> dict[str, dict[str, Callable[[], Term]]]:
+    """By the name of every registered term: its variants, ready to be differentiated at `sample_knots()`."""
     speeds, accelerations = np.array([2.5, np.inf, 4.0]), np.array([np.inf, 0.5, 2.5])
     starts = np.array([np.inf, 4.5, 6.5])
-    links, within = np.array([[2, 8], [7, 14]]), np.array([4.5, 4.0])
-    # The penalty's aim lies below some of the vectors and above others.
-    for profile in (Barrier(0.7, 0.9), Barrier(0.7, np.inf), Penalty(1.3, 0.4)):
-        label = str(profile)
-        terms[f"speed limit, {label}"] = SpeedLimit(LAYOUT, speeds, profile)
-        terms[f"acceleration limit, {label}"] = AccelerationLimit(LAYOUT, accelerations, profile)
-        terms[f"rest limit, {label}"] = RestLimit(LAYOUT, starts, profile)
-        terms[f"meeting, {label}"] = MeetingLimit(links, within, profile, len(knots))
-    for reach in (1.5, np.inf):
-        for alpha_0 in (None, 8.0):
-            label = f"range {reach}, {'contacts' if alpha_0 is None else 'smooth minimum'}"
-            terms[f"collision, {label}"] = Collision(
-                knots, rods, interactions, 0.7, np.full((3, 3), reach),
-                alpha_0=alpha_0, exact=exact,
-            )  # fmt: skip
-            terms[f"wall, {label}"] = Wall(
-                knots, LAYOUT, CORNERS, EDGES, RADII, np.array([1.0, 0.0, 2.0]), 0.7,
-                np.full(3, reach), alpha_0=alpha_0, exact=exact,
-            )  # fmt: skip
-    return terms
+    links, within = np.array([[2, 8], [7, 14]]), np.array([5.5, 4.0])
+    models = {
+        f"range {reach}, {'contacts' if alpha is None else 'smooth minimum'}": (reach, alpha)
+        for reach in REACHES
+        for alpha in ALPHAS
+    }
+    return {
+        "kinetic": {"": lambda: Kinetic(LAYOUT, WEIGHTS, np.array([1.0, 5.0, 2.0]))},
+        "acceleration": {"": lambda: Acceleration(LAYOUT, np.array([2.0, 0.0, 0.7]), 1.7)},
+        "arrival": {"": lambda: Arrival(LAYOUT, WEIGHTS, np.array([3.0, 4.0, 9.0]))},
+        "regularity": {"": lambda: Regularity(LAYOUT, WEIGHTS, np.array([0.1, 0.2, 0.0]))},
+        "grouping": {"": lambda: Grouping(sample_knots(), RODS, sample_interactions(), 3.0)},
+        "timing": {"": _timing},
+        "speed limit": {str(one): partial(SpeedLimit, LAYOUT, speeds, one) for one in PROFILES},
+        "acceleration limit": {
+            str(one): partial(AccelerationLimit, LAYOUT, accelerations, one) for one in PROFILES
+        },
+        "rest limit": {str(one): partial(RestLimit, LAYOUT, starts, one) for one in PROFILES},
+        "meeting": {
+            str(one): partial(MeetingLimit, links, within, one, LAYOUT.num_knots)
+            for one in PROFILES
+        },
+        "collision": {label: partial(sample_collision, *model) for label, model in models.items()},
+        "wall": {label: partial(sample_wall, *model) for label, model in models.items()},
+    }

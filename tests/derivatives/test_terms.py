@@ -1,16 +1,15 @@
-"""Every cost room's derivatives, none left out."""
+"""The derivatives of every registered term, none left out."""
 
 from __future__ import annotations
-
-import importlib
-import pkgutil
 
 import numpy as np
 import pytest
 
-import stplan.costs
-from stplan.costs.limit import Limit
-from stplan.costs.term import Term
+from stplan.arrays import FloatArray
+from stplan.costs.contacts.contact_term import ContactTerm
+from stplan.costs.limit import MotionLimit
+from stplan.costs.registry import registered_terms
+from stplan.nlp.term import Capability, Term
 from tests.derivatives.checker import (
     check_differences,
     check_not_vacuous,
@@ -18,71 +17,83 @@ from tests.derivatives.checker import (
     check_taylor_slopes,
     dense,
 )
-from tests.derivatives.samples import sample_knots, sample_terms
+from tests.derivatives.samples import sample_knots, samples
 
-LABELS = sorted(sample_terms())
-
-
-def concrete_rooms(base: type[Term] = Term) -> set[str]:
-    """Names of all rooms in the package, found by import."""
-    for module in pkgutil.iter_modules(stplan.costs.__path__):
-        importlib.import_module(f"stplan.costs.{module.name}")
-    names = set()
-    for room in base.__subclasses__():
-        names |= concrete_rooms(room)
-        if not getattr(room, "__abstractmethods__", None):
-            names.add(room.name)
-    return names
+SAMPLES = samples()
+# A term without a sample stands here too, and fails.
+CASES = [
+    pytest.param(kind.name, variant, id=f"{kind.name} {variant}")
+    for kind in registered_terms()
+    for variant in SAMPLES.get(kind.name, {"no sample": None})
+]
+each = pytest.mark.parametrize(("name", "variant"), CASES)
 
 
-def test_no_room_is_left_out() -> None:
-    assert {term.name for term in sample_terms().values()} == concrete_rooms()
+def sample(name: str, variant: str) -> Term:
+    assert name in SAMPLES, f"{name} has no sample in tests/derivatives/samples.py"
+    term = SAMPLES[name][variant]()
+    assert term.name == name
+    return term
 
 
-@pytest.mark.parametrize("label", LABELS)
-def test_differences(label: str) -> None:
-    check_differences(sample_terms()[label], sample_knots())
+def test_every_sample_is_of_a_registered_term() -> None:
+    assert set(SAMPLES) == {kind.name for kind in registered_terms()}
 
 
-@pytest.mark.parametrize("label", LABELS)
-def test_taylor_slopes(label: str) -> None:
-    rng = np.random.default_rng(5)
-    direction = 0.02 * rng.normal(size=sample_knots().shape)
-    check_taylor_slopes(sample_terms()[label], sample_knots(), direction)
+@each
+def test_differences(name: str, variant: str) -> None:
+    check_differences(sample(name, variant), sample_knots())
 
 
-@pytest.mark.parametrize("label", LABELS)
-def test_nothing_is_vacuous(label: str) -> None:
-    check_not_vacuous(sample_terms()[label], sample_knots())
+@each
+def test_taylor_slopes(name: str, variant: str) -> None:
+    check_taylor_slopes(sample(name, variant), sample_knots())
 
 
-@pytest.mark.parametrize("label", LABELS)
-def test_structure_does_not_depend_on_values(label: str) -> None:
+@each
+def test_nothing_is_vacuous(name: str, variant: str) -> None:
+    check_not_vacuous(sample(name, variant), sample_knots())
+
+
+@each
+def test_structures_do_not_depend_on_values(name: str, variant: str) -> None:
+    term, knots = sample(name, variant), sample_knots()
     rng = np.random.default_rng(6)
-    other = sample_knots() + 0.01 * rng.normal(size=sample_knots().shape)
-    check_structure_is_fixed(sample_terms()[label], sample_knots(), other)
+    other = knots + 0.01 * rng.normal(size=knots.shape)
+    check_structure_is_fixed(term.hessian_structure, term.hessian, knots, other)
+    check_structure_is_fixed(term.gauss_newton_structure, term.gauss_newton_hessian, knots, other)
 
 
-@pytest.mark.parametrize("label", LABELS)
-def test_gauss_newton_stand_in_is_positive_semidefinite_where_promised(label: str) -> None:
-    term, knots = sample_terms()[label], sample_knots()
-    stand_in = dense(term.hessian_structure(), term.gauss_newton_hessian(knots), knots.size)
-    assert np.isfinite(stand_in).all()
-    if isinstance(term, Limit) or term.name in ("collision", "grouping", "wall", "regularity"):
-        eigenvalues = np.linalg.eigvalsh(stand_in)
-        assert eigenvalues[0] >= -1e-9 * eigenvalues[-1]
-        assert eigenvalues[-1] > 0
+@each
+def test_the_gauss_newton_hessian_is_convex_or_the_exact_one(name: str, variant: str) -> None:
+    term, knots = sample(name, variant), sample_knots()
+    stand_in = dense(term.gauss_newton_structure(), term.gauss_newton_hessian(knots), knots.size)
+    eigenvalues = np.linalg.eigvalsh(stand_in)
+    assert eigenvalues[-1] > 0
+    if eigenvalues[0] < -1e-9 * eigenvalues[-1]:
+        exact = dense(term.hessian_structure(), term.hessian(knots), knots.size)
+        assert np.array_equal(stand_in, exact)
 
 
-@pytest.mark.parametrize("label", [label for label in LABELS if " limit, " in label])
-def test_samples_of_limits_lie_on_both_sides_of_the_switch(label: str) -> None:
-    term, knots = sample_terms()[label], sample_knots()
-    assert isinstance(term, Limit)
-    shares = term.shares(knots)
-    assert 0.1 < shares.max() < 1.0
-    if "Penalty" in label:
-        assert (shares > 0.4).any()
-        assert (shares < 0.4).any()
+@each
+def test_samples_lie_on_both_sides_of_every_switch(name: str, variant: str) -> None:
+    term, knots = sample(name, variant), sample_knots()
+    if isinstance(term, MotionLimit):
+        shares = term.shares(knots)
+        assert 0.1 < shares.max() < 1.0
+        if "Penalty" in variant:
+            assert (shares > 0.4).any()
+            assert (shares < 0.4).any()
+    if Capability.CLEARANCE in term.capabilities and "range inf" not in variant:
+        assert isinstance(term, ContactTerm)
+        curvature = term.measured(knots)[1].majorizer
+        assert (curvature > 0).any()
+        assert (curvature == 0).any()
+    if name == "timing":
+        missing = term.missing(knots)  # type: ignore[attr-defined]
+        assert (missing > 0).any()
+        assert (missing < 0).any()
+        assert (missing == 0).any()
 
 
 class _Broken:
@@ -94,21 +105,30 @@ class _Broken:
         self.value = term.value
         self.hessian_structure = term.hessian_structure
 
-    def gradient(self, knots):
+    def gradient(self, knots: FloatArray) -> FloatArray:
         right = self._term.gradient(knots)
         return {"sign": -right, "weight": 1.01 * right}.get(self._fault, right)
 
-    def hessian(self, knots):
+    def hessian(self, knots: FloatArray) -> FloatArray:
         right = self._term.hessian(knots)
         if self._fault == "missing entry":
             right = right.copy()
             right[np.abs(right).argmax()] = 0.0
-        return 1.01 * right if self._fault == "curvature" else right
+        return {"curvature": 1.01 * right, "bent sign": -right}.get(self._fault, right)
 
 
-@pytest.mark.parametrize("fault", ["sign", "weight", "missing entry", "curvature"])
-@pytest.mark.parametrize("label", LABELS)
-def test_the_checker_rejects_wrong_derivatives(label: str, fault: str) -> None:
-    broken = _Broken(sample_terms()[label], fault)
-    with pytest.raises(AssertionError):
-        check_differences(broken, sample_knots())
+FAULTS = ["sign", "weight", "missing entry", "curvature", "bent sign"]
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+@each
+def test_differences_reject_wrong_derivatives(name: str, variant: str, fault: str) -> None:
+    with pytest.raises(AssertionError, match=r"gradient|hessian|structure"):
+        check_differences(_Broken(sample(name, variant), fault), sample_knots())
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+@each
+def test_slopes_reject_wrong_derivatives(name: str, variant: str, fault: str) -> None:
+    with pytest.raises(AssertionError, match="slopes"):
+        check_taylor_slopes(_Broken(sample(name, variant), fault), sample_knots())

@@ -1,4 +1,4 @@
-"""Distances, barriers and neighbour lists against brute force and closed forms."""
+"""Distances and neighbour lists against brute force and closed forms."""
 
 from __future__ import annotations
 
@@ -6,13 +6,6 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from stplan.costs.contacts.barrier import barrier
-from stplan.costs.contacts.clearance_barriers import (
-    choose_alpha,
-    contact_barriers,
-    smooth_minimum,
-    smooth_minimum_barriers,
-)
 from stplan.geometry.boundary_grid import BoundaryGrid, crossings
 from stplan.geometry.rod_neighbours import near_segments
 from stplan.geometry.segments import closest_parameters, squared_distance
@@ -60,51 +53,6 @@ def test_segment_distance_is_symmetric_and_rigid() -> None:
         assert squared_distance(*q0, *q1, *p1, *p0) == pytest.approx(there)
         moved = points @ turn + [3.0, -1.0, 2.0]
         assert squared_distance(*moved.ravel()) == pytest.approx(there)
-
-
-@pytest.mark.parametrize("reach", [0.7, np.inf])
-def test_barrier_derivatives_and_limits(reach: float) -> None:
-    for z in (0.01, 0.2, 0.5, 0.69):
-        step = 1e-6
-        value, first, second = barrier(z, reach)
-        assert first == pytest.approx(
-            (barrier(z + step, reach)[0] - barrier(z - step, reach)[0]) / (2 * step), rel=1e-6
-        )
-        assert second == pytest.approx(
-            (barrier(z + step, reach)[1] - barrier(z - step, reach)[1]) / (2 * step), rel=1e-5
-        )
-        assert value > 0 or reach == np.inf
-        assert first < 0 < second
-
-
-def test_clamped_barrier_vanishes_smoothly_at_its_range() -> None:
-    for order in range(3):
-        assert barrier(0.7, 0.7)[order] == 0
-        assert abs(barrier(0.7 - 1e-7, 0.7)[order]) < 1e-5
-    assert barrier(1e-9, 0.7)[0] == pytest.approx(-np.log(1e-9 / 0.7), rel=1e-6)
-
-
-def test_smooth_minimum_underestimates_and_does_not_overflow() -> None:
-    distance = np.array([1e5, 1e5 + 0.01, 2e5])
-    smooth = smooth_minimum(distance, 50.0)
-    assert 1e5 - np.log(3) / 50 <= smooth <= 1e5
-    assert smooth_minimum(np.array([0.3]), 7.0) == pytest.approx(0.3)
-
-
-def test_alpha_is_raised_until_half_the_clearance_is_left() -> None:
-    distance = np.full(100, 1.02)
-    starts = np.array([0, 100])
-    alpha = choose_alpha(distance, starts, np.array([1.0]), 50.0)
-    assert alpha[0] > 50
-    assert smooth_minimum(distance, alpha[0]) - 1.0 >= 0.01 - 1e-12
-    assert choose_alpha(np.array([9.0]), np.array([0, 1]), np.array([1.0]), 50.0)[0] == 50
-
-
-def test_touching_is_infinite() -> None:
-    one = np.ones(1)
-    assert contact_barriers(0.9 * one, one, one, one).value == np.inf
-    grouped = smooth_minimum_barriers(one, np.array([0, 1]), 50 * one, one, one, one)
-    assert grouped.value == np.inf
 
 
 def random_rods(rng: np.random.Generator, count: int, num: int):

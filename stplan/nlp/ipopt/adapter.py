@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import cyipopt
@@ -11,49 +11,15 @@ import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.errors import SolverError
-from stplan.nlp.problem import Problem
+from stplan.nlp.solution import Iteration, Solution, WarmStart
+from stplan.nlp.step_control import StepControl
+from stplan.status import Status
 
-
-@dataclass(frozen=True)
-class Iteration:
-    """What Ipopt says after an iteration.
-
-    `step` is the largest entry of the full step, m or s; it says nothing about convergence where the
-    Hessian was `damped` to make it convex.
-    """
-
-    number: int
-    objective: float
-    optimality: float
-    step: float
-    ipopt_mu: float
-    damped: bool
-    knots: FloatArray
-
-
-@dataclass(frozen=True)
-class Multipliers:
-    """Warm start of the duals: constraints, lower and upper bounds."""
-
-    constraints: FloatArray
-    lower: FloatArray
-    upper: FloatArray
-
-
-@dataclass(frozen=True)
-class IpoptResult:
-    """The last accepted iterate (always feasible), Ipopt's status and duals."""
-
-    knots: FloatArray
-    status: int
-    message: str
-    multipliers: Multipliers
-    iterations: int
-    ipopt_mu: float
-
-
-# Ipopt's statuses that mean "no progress possible", against those that mean "done" or "stopped".
-FAILURES = frozenset({-1, -2, -3, -4, -5, -10, -11, -12, -13, -100, -101, -102, -199, 2, 3, 4})
+# Ipopt's statuses that mean "done", and that its iterations are used up or that it was stopped.
+_SOLVED, _ACCEPTABLE = 0, 1
+_STOPPED, _ITERATIONS_USED = 5, -1
+# Those that mean a wrong option or a missing linear solver.
+_INVALID_OPTION, _INTERNAL_ERROR = -12, -199
 
 _DEFAULTS: dict[str, Any] = {
     "print_level": 0,
@@ -93,41 +59,38 @@ _WARM: dict[str, Any] = {
 class _Callbacks:
     """The methods cyipopt calls, by cyipopt's names."""
 
-    def __init__(
-        self, problem: Problem, stop: Callable[[Iteration], bool], start: FloatArray
-    ) -> None:
-        self._problem = problem
+    def __init__(self, control: StepControl, stop: Callable[[Iteration], bool]) -> None:
+        self._control = control
         self._stop = stop
-        self._rows, self._columns, self._slopes = problem.constraints_jacobian()
-        self.accepted = start.copy()
+        self._program = control.program
         self.iterations = 0
         self.ipopt_mu = float(_DEFAULTS["mu_init"])
         self.handle: Any = None
 
     def objective(self, x: FloatArray) -> float:
-        value = self._problem.value(x)
+        value = self._control.value(x)
         if not np.isfinite(value):
             # Undefined here: Ipopt shortens the step. Raised from nowhere else, it would abort there.
             raise cyipopt.CyIpoptEvaluationError
         return value
 
     def gradient(self, x: FloatArray) -> FloatArray:
-        return self._problem.gradient(x)
+        return self._control.gradient(x)
 
     def constraints(self, x: FloatArray) -> FloatArray:
-        return self._problem.constraints(x)
+        return self._program.linear.at(x)
 
     def jacobian(self, x: FloatArray) -> FloatArray:
-        return self._slopes
+        return self._program.linear.values
 
     def jacobianstructure(self) -> tuple[IntArray, IntArray]:
-        return self._rows, self._columns
+        return self._program.linear.rows, self._program.linear.columns
 
     def hessian(self, x: FloatArray, lagrange: FloatArray, factor: float) -> FloatArray:
-        return factor * self._problem.hessian(x)
+        return factor * self._control.hessian(x)
 
     def hessianstructure(self) -> tuple[IntArray, IntArray]:
-        return self._problem.hessian_rows, self._problem.hessian_columns
+        return self._program.hessian_structure
 
     def intermediate(
         self,
@@ -146,98 +109,107 @@ class _Callbacks:
         current = self.handle.get_current_iterate() if alg_mod == 0 else None
         if current is not None:
             x = np.array(current["x"])
-            if np.isfinite(self._problem.value(x)):
-                self.accepted = x
-                self._problem.accept(x, alpha_pr if iter_count else 1.0)
+            if np.isfinite(self._control.value(x)):
+                self._control.accept(x, alpha_pr if iter_count else 1.0)
         self.iterations = iter_count
         self.ipopt_mu = mu
-        knots = self.accepted.reshape(-1, 3)
-        damped = regularization_size > 0 or self._problem.damping > 0
-        return not self._stop(Iteration(iter_count, obj_value, inf_du, d_norm, mu, damped, knots))
+        damped = regularization_size > 0 or self._control.damping > 0
+        knots = self._control.iterate
+        return not self._stop(Iteration(iter_count, obj_value, d_norm, damped, knots))
 
 
-def solve(
-    problem: Problem,
-    knots: FloatArray,
-    *,
-    max_iterations: int,
-    linear_solver: str,
-    objective_scale: float,
-    limited_memory: bool,
-    options: Mapping[str, Any],
-    stop: Callable[[Iteration], bool],
-    multipliers: Multipliers | None = None,
-    ipopt_mu: float | None = None,
-) -> IpoptResult:
-    """Run Ipopt from feasible `knots` (M, 3) until it converges or `stop` returns True.
+@dataclass(frozen=True)
+class Ipopt:
+    """Ipopt as a backend.
 
-    Args:
-        objective_scale: Ipopt works on scale * objective, which makes its tolerances relative.
+    Attributes:
+        linear_solver: one that the installed Ipopt can use.
+        limited_memory: approximate the Hessian from gradients.
         options: further Ipopt options, which win over ours.
-
-    Raises:
-        SolverError: Ipopt does not know an option or lacks the linear solver.
     """
-    start = knots.ravel().copy()
-    problem.accept(start)
-    callbacks = _Callbacks(problem, stop, start)
-    limits = problem.limits
-    least, greatest = problem.constraint_bounds()
-    handle = cyipopt.Problem(
-        n=problem.num_variables,
-        m=len(least),
-        problem_obj=callbacks,
-        lb=limits.lower.ravel(),
-        ub=limits.upper.ravel(),
-        cl=least,
-        cu=greatest,
-    )
-    callbacks.handle = handle
-    chosen = dict(_DEFAULTS, linear_solver=linear_solver, max_iter=max_iterations)
-    chosen["obj_scaling_factor"] = objective_scale
-    if linear_solver == "mumps":
-        chosen |= _MUMPS
-    if limited_memory:
-        chosen["hessian_approximation"] = "limited-memory"
-    if ipopt_mu is not None:
-        chosen["mu_init"] = ipopt_mu
-    if multipliers is not None:
-        chosen |= _WARM
-    chosen |= dict(options)
-    for key, value in chosen.items():
-        _set_option(handle, key, value)
-    warm = (
-        {}
-        if multipliers is None
-        else {
-            "lagrange": multipliers.constraints,
-            "zl": multipliers.lower,
-            "zu": multipliers.upper,
-        }
-    )
-    solution, info = handle.solve(start, **warm)
-    # Without this cycle the memory of Ipopt is given back at once.
-    callbacks.handle = None
-    status = int(info["status"])
-    if status == -12 or (status == -199 and callbacks.iterations == 0):
-        raise SolverError(
-            f"Ipopt does not start with linear solver {linear_solver} and the options "
-            f"{dict(options)} of solver.ipopt"
+
+    linear_solver: str
+    limited_memory: bool = False
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def solve(
+        self,
+        control: StepControl,
+        knots: FloatArray,
+        *,
+        max_iterations: int,
+        objective_scale: float,
+        stop: Callable[[Iteration], bool],
+        warm_start: WarmStart | None = None,
+    ) -> Solution:
+        """Run Ipopt from feasible `knots` (M, 3) until it converges or `stop` returns True.
+
+        Raises:
+            SolverError: Ipopt does not know an option or lacks the linear solver.
+        """
+        program = control.program
+        callbacks = _Callbacks(control, stop)
+        handle = cyipopt.Problem(
+            n=program.num_variables,
+            m=len(program.linear.least),
+            problem_obj=callbacks,
+            lb=program.constraints.lower.ravel(),
+            ub=program.constraints.upper.ravel(),
+            cl=program.linear.least,
+            cu=program.linear.greatest,
         )
-    solution = np.asarray(solution)
-    if not np.isfinite(solution).all() or not np.isfinite(problem.value(solution)):
-        solution = callbacks.accepted
-    message = info["status_msg"]
-    return IpoptResult(
-        knots=solution.reshape(-1, 3).copy(),
-        status=status,
-        message=message.decode() if isinstance(message, bytes) else str(message),
-        multipliers=Multipliers(
-            np.array(info["mult_g"]), np.array(info["mult_x_L"]), np.array(info["mult_x_U"])
-        ),
-        iterations=callbacks.iterations,
-        ipopt_mu=callbacks.ipopt_mu,
-    )
+        callbacks.handle = handle
+        for key, value in self._chosen(max_iterations, objective_scale, warm_start).items():
+            _set_option(handle, key, value)
+        duals = {}
+        if warm_start is not None:
+            duals = {
+                "lagrange": warm_start.constraints,
+                "zl": warm_start.lower,
+                "zu": warm_start.upper,
+            }
+        solution, info = handle.solve(knots.ravel().copy(), **duals)
+        # Without this cycle the memory of Ipopt is given back at once.
+        callbacks.handle = None
+        status = int(info["status"])
+        if status == _INVALID_OPTION or (status == _INTERNAL_ERROR and callbacks.iterations == 0):
+            raise SolverError(
+                f"Ipopt does not start with linear solver {self.linear_solver} and the options "
+                f"{dict(self.options)} of solver.ipopt"
+            )
+        solution = np.asarray(solution)
+        feasible = np.isfinite(solution).all() and np.isfinite(control.value(solution))
+        return Solution(
+            knots=solution.reshape(-1, 3).copy() if feasible else control.iterate,
+            status=_status(status),
+            iterations=callbacks.iterations,
+            warm_start=WarmStart(
+                np.array(info["mult_g"]), np.array(info["mult_x_L"]), np.array(info["mult_x_U"]),
+                callbacks.ipopt_mu,
+            ),
+        )  # fmt: skip
+
+    def _chosen(
+        self, max_iterations: int, objective_scale: float, warm_start: WarmStart | None
+    ) -> dict[str, Any]:
+        """All options of a run."""
+        chosen = dict(_DEFAULTS, linear_solver=self.linear_solver, max_iter=max_iterations)
+        chosen["obj_scaling_factor"] = objective_scale
+        if self.linear_solver == "mumps":
+            chosen |= _MUMPS
+        if self.limited_memory:
+            chosen["hessian_approximation"] = "limited-memory"
+        if warm_start is not None:
+            chosen |= {"mu_init": warm_start.barrier, **_WARM}
+        return chosen | dict(self.options)
+
+
+def _status(status: int) -> Status:
+    if status in (_SOLVED, _ACCEPTABLE):
+        return Status.CONVERGED
+    if status == _STOPPED:
+        return Status.INTERRUPTED
+    return Status.LIMIT if status == _ITERATIONS_USED else Status.FAILED
 
 
 def require_options(options: Mapping[str, Any]) -> None:

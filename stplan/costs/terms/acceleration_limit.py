@@ -12,11 +12,21 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.costs.limit import Limit, Profile, Vectors, by_knots, power_vectors
+from stplan.costs.formulation import TermSetup
+from stplan.costs.limit import (
+    MotionLimit,
+    Profile,
+    Vectors,
+    by_knots,
+    limit_profile,
+    power_vectors,
+)
+from stplan.costs.registry import register
 from stplan.problem.layout import KnotLayout
 
 
-class AccelerationLimit(Limit):
+@register(rank=90)
+class AccelerationLimit(MotionLimit):
     """Changes of velocity at inner knots, m/s^2."""
 
     name = "acceleration limit"
@@ -32,6 +42,14 @@ class AccelerationLimit(Limit):
             profile,
             layout.num_knots,
         )
+
+    @classmethod
+    def build(cls, setup: TermSetup) -> AccelerationLimit | None:
+        """Where an agent has a `max_acceleration`."""
+        limits = setup.formulation.limits("max_acceleration")
+        if not np.isfinite(limits).any():
+            return None
+        return cls(setup.formulation.layout, limits, limit_profile(setup))
 
     def vectors(self, local: FloatArray) -> Vectors:
         """Accelerations."""
@@ -63,7 +81,8 @@ class AccelerationLimit(Limit):
         return Vectors(rate[:, None] * change, *by_knots(first, second))
 
 
-class RestLimit(Limit):
+@register(rank=100)
+class RestLimit(MotionLimit):
     """From rest to the first segment's velocity and from the last one's to rest, m/s^2."""
 
     name = "rest limit"
@@ -78,6 +97,14 @@ class RestLimit(Limit):
             profile,
             layout.num_knots,
         )
+
+    @classmethod
+    def build(cls, setup: TermSetup) -> RestLimit | None:
+        """Where an agent has a `max_acceleration`."""
+        limits = setup.formulation.limits("max_acceleration")
+        if not np.isfinite(limits).any():
+            return None
+        return cls(setup.formulation.layout, limits, limit_profile(setup))
 
     def vectors(self, local: FloatArray) -> Vectors:
         """Accelerations."""

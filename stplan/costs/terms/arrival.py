@@ -4,21 +4,35 @@ from __future__ import annotations
 
 import numpy as np
 
-from stplan.arrays import FloatArray, IntArray
-from stplan.costs.term import Term
+from stplan.arrays import FloatArray
+from stplan.costs.formulation import TermSetup
+from stplan.costs.registry import register
+from stplan.nlp.term import Capability, Structure, Term
 from stplan.problem.layout import KnotLayout
 
 
+@register(rank=40)
 class Arrival(Term):
     """Quadratic cost of arriving before or after the preferred time."""
 
     name = "arrival"
+    capabilities = Capability.PRICE
 
     def __init__(self, layout: KnotLayout, weights: FloatArray, preferred: FloatArray) -> None:
         """`weights` K^T (A,), `preferred` T^p (A,) in s (any finite number where the weight is 0)."""
         self._last = layout.last
         self._weights = weights
         self._preferred = preferred
+
+    @classmethod
+    def build(cls, setup: TermSetup) -> Arrival | None:
+        """Where an agent has `weights.arrival`."""
+        formulation = setup.formulation
+        weights = formulation.weights("arrival")
+        if not weights.any():
+            return None
+        preferred = [agent.preferred_time or 0.0 for agent in formulation.problem.scene.agents]
+        return cls(formulation.layout, weights, np.array(preferred))
 
     def value(self, knots: FloatArray) -> float:
         """The cost in square seconds times weight."""
@@ -34,10 +48,18 @@ class Arrival(Term):
         result[self._last, 2] = self._weights * (knots[self._last, 2] - self._preferred)
         return result
 
-    def hessian_structure(self) -> tuple[IntArray, IntArray]:
+    def hessian_structure(self) -> Structure:
         """One entry an agent: (t_n, t_n)."""
         return 3 * self._last + 2, 3 * self._last + 2
 
     def hessian(self, knots: FloatArray) -> FloatArray:
         """Constant weights."""
         return self._weights.copy()
+
+    def gauss_newton_structure(self) -> Structure:
+        """That of the Hessian."""
+        return self.hessian_structure()
+
+    def gauss_newton_hessian(self, knots: FloatArray) -> FloatArray:
+        """The exact one, which is positive semidefinite."""
+        return self.hessian(knots)

@@ -8,21 +8,32 @@ from __future__ import annotations
 
 import numpy as np
 
-from stplan.arrays import FloatArray, IntArray
-from stplan.costs.term import Term, block_structure, pack_blocks
+from stplan.arrays import FloatArray
+from stplan.costs.blocks import joined_structure, pack_blocks
+from stplan.costs.formulation import TermSetup
+from stplan.costs.registry import register
+from stplan.nlp.term import Capability, Structure, Term
 from stplan.problem.layout import KnotLayout
 
 
+@register(rank=10)
 class Kinetic(Term):
     """Sum over agents of weight times mass times half the squared speed, integrated over time."""
 
     name = "kinetic"
+    capabilities = Capability.PRICE | Capability.RESTORING
 
     def __init__(self, layout: KnotLayout, weights: FloatArray, masses: FloatArray) -> None:
         """`weights` K^K (A,), `masses` (A,) in kg."""
         self._layout = layout
         self._start = layout.segment
         self._stiffness = (weights * masses)[layout.agent_of_segment]
+
+    @classmethod
+    def build(cls, setup: TermSetup) -> Kinetic:
+        """Every scene has it."""
+        formulation = setup.formulation
+        return cls(formulation.layout, formulation.weights("kinetic"), formulation.problem.masses)
 
     def _steps(self, knots: FloatArray) -> tuple[FloatArray, FloatArray]:
         step = knots[self._start + 1] - knots[self._start]
@@ -54,15 +65,10 @@ class Kinetic(Term):
         result[self._start] -= force
         return result
 
-    def hessian_structure(self) -> tuple[IntArray, IntArray]:
+    def hessian_structure(self) -> Structure:
         """Blocks (i, i), (i+1, i+1) and (i+1, i) of every segment."""
         first, second = self._start, self._start + 1
-        parts = [
-            block_structure(first, first),
-            block_structure(second, second),
-            block_structure(second, first),
-        ]
-        return np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
+        return joined_structure([(first, first), (second, second), (second, first)])
 
     def hessian(self, knots: FloatArray) -> FloatArray:
         """Values in the order of the structure; positive semidefinite."""
@@ -76,3 +82,11 @@ class Kinetic(Term):
         blocks *= (self._stiffness / duration)[:, None, None]
         same = pack_blocks(blocks, diagonal=True)
         return np.concatenate([same, same, pack_blocks(-blocks, diagonal=False)])
+
+    def gauss_newton_structure(self) -> Structure:
+        """That of the Hessian."""
+        return self.hessian_structure()
+
+    def gauss_newton_hessian(self, knots: FloatArray) -> FloatArray:
+        """The exact one, which is positive semidefinite."""
+        return self.hessian(knots)

@@ -16,8 +16,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stplan.arrays import FloatArray, IntArray
-from stplan.costs.term import Term, block_structure, pack_blocks
+from stplan.arrays import FloatArray
+from stplan.costs.blocks import joined_structure, pack_blocks
+from stplan.costs.formulation import TermSetup
+from stplan.costs.registry import register
+from stplan.nlp.term import Capability, Structure, Term
 from stplan.problem.layout import KnotLayout
 
 # Below this angle (rad) the series of k and k' are exact to rounding.
@@ -38,10 +41,12 @@ class _Turns:
     q: FloatArray
 
 
+@register(rank=30)
 class Acceleration(Term):
     """Sum over agents of weight times half the squared turning angle in space-time."""
 
     name = "acceleration"
+    capabilities = Capability.PRICE
 
     def __init__(self, layout: KnotLayout, weights: FloatArray, time_scale: float) -> None:
         """`weights` K^A (A,), `time_scale` c in m/s."""
@@ -51,6 +56,15 @@ class Acceleration(Term):
         self._middle = np.flatnonzero(inner & (weights[layout.agent_of_knot] > 0))
         self._weight = weights[layout.agent_of_knot[self._middle]]
         self._scale = np.array([1.0, 1.0, time_scale])
+
+    @classmethod
+    def build(cls, setup: TermSetup) -> Acceleration | None:
+        """Where an agent has `weights.acceleration`."""
+        formulation = setup.formulation
+        weights = formulation.weights("acceleration")
+        if not weights.any():
+            return None
+        return cls(formulation.layout, weights, formulation.problem.time_scale)
 
     def _turns(self, knots: FloatArray) -> _Turns:
         scaled = knots * self._scale
@@ -93,13 +107,12 @@ class Acceleration(Term):
         result[self._middle + 1] += by_v
         return result
 
-    def hessian_structure(self) -> tuple[IntArray, IntArray]:
+    def hessian_structure(self) -> Structure:
         """Blocks among the three knots of every turn."""
         before, middle, after = self._middle - 1, self._middle, self._middle + 1
         pairs = [(before, before), (middle, middle), (after, after)]
         pairs += [(middle, before), (after, middle), (after, before)]
-        parts = [block_structure(rows, columns) for rows, columns in pairs]
-        return np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
+        return joined_structure(pairs)
 
     def hessian(self, knots: FloatArray) -> FloatArray:
         """Exact second derivatives in the order of the structure."""
@@ -122,6 +135,14 @@ class Acceleration(Term):
             [pack_blocks(scale * block, diagonal=True) for block in diagonal]
             + [pack_blocks(scale * block, diagonal=False) for block in below]
         )
+
+    def gauss_newton_structure(self) -> Structure:
+        """That of the Hessian."""
+        return self.hessian_structure()
+
+    def gauss_newton_hessian(self, knots: FloatArray) -> FloatArray:
+        """The exact one, indefinite as it is: any convex part of it converges much slower."""
+        return self.hessian(knots)
 
 
 def _outer(left: FloatArray, right: FloatArray) -> FloatArray:

@@ -5,11 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.costs.limit import Limit, Profile, Vectors, power_vectors
+from stplan.costs.formulation import TermSetup
+from stplan.costs.limit import MotionLimit, Profile, Vectors, limit_profile, power_vectors
+from stplan.costs.registry import register
 from stplan.problem.layout import KnotLayout
 
 
-class SpeedLimit(Limit):
+@register(rank=80)
+class SpeedLimit(MotionLimit):
     """Velocities of segments, m/s."""
 
     name = "speed limit"
@@ -22,6 +25,14 @@ class SpeedLimit(Limit):
         super().__init__(
             np.column_stack([start, start + 1]), limit[chosen], profile, layout.num_knots
         )
+
+    @classmethod
+    def build(cls, setup: TermSetup) -> SpeedLimit | None:
+        """Where an agent has a `max_speed`."""
+        limits = setup.formulation.limits("max_speed")
+        if not np.isfinite(limits).any():
+            return None
+        return cls(setup.formulation.layout, limits, limit_profile(setup))
 
     def vectors(self, local: FloatArray) -> Vectors:
         """Velocities."""

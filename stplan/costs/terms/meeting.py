@@ -9,10 +9,13 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.costs.limit import Limit, Profile, Vectors
+from stplan.costs.formulation import TermSetup
+from stplan.costs.limit import MotionLimit, Profile, Vectors, limit_profile
+from stplan.costs.registry import register
 
 
-class MeetingLimit(Limit):
+@register(rank=110)
+class MeetingLimit(MotionLimit):
     """Distances of pairs at their meetings, m."""
 
     name = "meeting"
@@ -22,6 +25,16 @@ class MeetingLimit(Limit):
     ) -> None:
         """`links` (L, 2) knots i < j of different agents, `within` (L,) in m."""
         super().__init__(links, within, profile, num_knots)
+
+    @classmethod
+    def build(cls, setup: TermSetup) -> MeetingLimit | None:
+        """Where a pair has to meet."""
+        formulation = setup.formulation
+        timed = formulation.timed
+        if not len(timed.links):
+            return None
+        num_knots = formulation.layout.num_knots
+        return cls(timed.links, timed.within, limit_profile(setup), num_knots)
 
     def vectors(self, local: FloatArray) -> Vectors:
         """Relative positions."""

@@ -1,0 +1,122 @@
+"""What terms are built from: the problem, and what its seed decides once and for all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from stplan.arrays import FloatArray, IntArray
+from stplan.problem.layout import KnotLayout
+from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.rods import Rods
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Weights derived from a seed.
+
+    Attributes:
+        energy: E, mean kinetic cost per agent, the unit of the objective.
+        mu: barrier weight of the first outer iteration.
+        regularity: (A,) K^R.
+        stiffness: (A,) mass over the mean duration of a segment, kg/s: the scale of kinetic second
+            derivatives.
+        pair_reach: (A, A) m, clearance at which repulsion starts.
+        wall_reach: (A,) m.
+    """
+
+    energy: float
+    mu: float
+    regularity: FloatArray
+    stiffness: FloatArray
+    pair_reach: FloatArray
+    wall_reach: FloatArray
+
+
+@dataclass(frozen=True)
+class TimedConstraints:
+    """Knots with a place or a time of their own.
+
+    Attributes:
+        places: (P,) knots on waypoints.
+        stays: (D, 2) knots between which an agent dwells, `dwell` (D,) for how long at least, s.
+        windowed: (W,) knots whose time lies in `window` (W, 2), s.
+        links: (L, 2) knots i < j at which a pair meets, `within` (L,) m of each other.
+    """
+
+    places: IntArray
+    stays: IntArray
+    dwell: FloatArray
+    windowed: IntArray
+    window: FloatArray
+    links: IntArray
+    within: FloatArray
+
+
+@dataclass(frozen=True)
+class Formulation:
+    """Everything about a problem that stays the same while mu shrinks.
+
+    Attributes:
+        rods: segments and tails.
+        padding: relative enlargement of all distances, so that what is left at the end is positive
+            for any reader's rounding; small enough for the seed to stay feasible.
+    """
+
+    problem: PlanningProblem
+    layout: KnotLayout
+    rods: Rods
+    scales: Scales
+    timed: TimedConstraints
+    padding: float = 0.0
+
+    def weights(self, name: str) -> FloatArray:
+        """(A,) the weights of the scene's agents by their key."""
+        agents = self.problem.scene.agents
+        return np.array([getattr(agent.weights, name) for agent in agents], dtype=np.float64)
+
+    def limits(self, name: str) -> FloatArray:
+        """(A,) a limit of the scene's agents by its key, inf where an agent has none."""
+        found = [getattr(agent, name) for agent in self.problem.scene.agents]
+        return np.array([np.inf if value is None else value for value in found])
+
+    @property
+    def alpha_0(self) -> float | None:
+        """Least sharpness of smooth minima, 1/m; None where clearances are those of contacts."""
+        solver = self.problem.scene.solver
+        return solver.alpha if solver.clearance_model == "smooth-minimum" else None
+
+
+@dataclass(frozen=True)
+class Penalties:
+    """How limits and times are led to where they hold, while feasibility is restored.
+
+    Attributes:
+        limit: weight of a limit that is exceeded by its whole.
+        timing: weight per s^2.
+        inset: how far inside their intervals times are led, s.
+    """
+
+    limit: float
+    timing: float
+    inset: float
+
+
+@dataclass(frozen=True)
+class TermSetup:
+    """One program's part in a formulation.
+
+    Attributes:
+        knots: (M, 3) feasible, around which structures are made.
+        mu: barrier weight.
+        penalties: None where limits are barriers and times are kept by the constraints.
+        sharpness: of earlier terms' smooth minima, by their name.
+    """
+
+    formulation: Formulation
+    knots: FloatArray
+    mu: float
+    penalties: Penalties | None = None
+    sharpness: Mapping[str, FloatArray] = field(default_factory=dict)

@@ -1,0 +1,114 @@
+"""Collision cost: C^C_ab = -mu K^C_ab log(d_ab - R_ab)   (the paper's collision equation).
+
+d_ab is the distance of two rods in (x, y, c t). Two models of it: `contacts`, the barrier of every close
+pair of segments, and `smooth-minimum`, the barrier of the log-sum-exp minimum over them, the paper's.
+Both use exact distances of segments, so that nothing passes between samples.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from stplan.arrays import FloatArray
+from stplan.costs.contacts.blocks import ContactBlocks, DenseCoupling, near_blocks
+from stplan.costs.contacts.contact_set import ContactSet
+from stplan.costs.contacts.contact_term import ContactModel, ContactTerm
+from stplan.costs.contacts.potential import ContactBarriers, Potential, SmoothMinimumBarriers
+from stplan.costs.contacts.rod_candidates import BroadPhase, RodCandidates
+from stplan.costs.contacts.smooth_minimum import sharpened, weighing_reach
+from stplan.costs.formulation import TermSetup
+from stplan.costs.registry import register
+from stplan.geometry.contacts import measure
+from stplan.geometry.rod_neighbours import near_segments
+from stplan.nlp.term import Capability
+from stplan.problem.rods import Rods
+from stplan.scene.interactions import Interactions
+
+# Lists reach this much further than the structure: they cost less than what renewing them saves.
+LIST_SKIN = 1.5
+
+
+@register(rank=50)
+class Collision(ContactTerm):
+    """Barriers between the rods of every colliding pair.
+
+    Args:
+        knots: (M, 3) around which the structure is made; every rod must be clear there.
+        rods: segments and tails.
+        interactions: who collides, at which distance, how strongly.
+        mu: barrier weight.
+        reach: (A, A) clearance in m at which repulsion starts, inf for the unbounded logarithm.
+        alpha_0: least sharpness in 1/m of the smooth minimum, None for the model of contacts.
+        sharpness: (A * A,) kept from an earlier program by a A + b, nan where not chosen yet.
+        broad_phase: finds near pairs of segments.
+    """
+
+    name = "collision"
+    capabilities = Capability.CLEARANCE | Capability.LIVE | Capability.RESTORING
+
+    def __init__(
+        self,
+        knots: FloatArray,
+        rods: Rods,
+        interactions: Interactions,
+        mu: float,
+        reach: FloatArray,
+        *,
+        alpha_0: float | None = None,
+        sharpness: FloatArray | None = None,
+        broad_phase: BroadPhase = near_segments,
+    ) -> None:
+        collides, distance = interactions.collides, interactions.distance
+        self._sharpness: FloatArray | None = None
+        candidates = RodCandidates(rods, collides, distance + reach, broad_phase)
+        radius, weight = distance.ravel(), (mu * interactions.collision_weight).ravel()
+        felt = reach[collides & np.isfinite(reach)]
+        widest = float(distance[collides].max(initial=1.0))
+        skin = 0.5 * (float(felt.max()) if len(felt) else widest)
+        potential: Potential = ContactBarriers(radius, weight, reach.ravel())
+        if alpha_0 is not None:
+            kept = np.full(reach.size, np.nan) if sharpness is None else sharpness
+            candidates = _weighing(candidates, np.where(np.isnan(kept), alpha_0, kept))
+            near = candidates.find(knots, LIST_SKIN * skin)
+            gaps = measure(candidates.positions(knots), near.points).distance
+            self._sharpness = sharpened(kept, near, gaps, radius, alpha_0)
+            alpha = np.where(np.isnan(self._sharpness), alpha_0, self._sharpness)
+            candidates = replace(candidates, sharpness=alpha)
+            potential = SmoothMinimumBarriers(radius, weight, reach.ravel(), alpha)
+        wide = candidates.find(knots, skin)
+        blocks = ContactBlocks(near_blocks(wide, len(knots)), len(knots), dimension=3)
+        coupling = None if alpha_0 is None else DenseCoupling(wide, len(knots), dimension=3)
+        super().__init__(
+            ContactSet.fresh(candidates, knots, LIST_SKIN * skin),
+            ContactModel(potential, blocks, coupling),
+        )
+
+    @classmethod
+    def build(cls, setup: TermSetup) -> Collision | None:
+        """Where a pair collides, at distances with the formulation's padding."""
+        formulation = setup.formulation
+        interactions = formulation.problem.interactions
+        if not interactions.collides.any():
+            return None
+        padded = replace(interactions, distance=interactions.distance * (1 + formulation.padding))
+        return cls(
+            setup.knots, formulation.rods, padded, setup.mu, formulation.scales.pair_reach,
+            alpha_0=formulation.alpha_0, sharpness=setup.sharpness.get(cls.name),
+        )  # fmt: skip
+
+    @property
+    def sharpness(self) -> FloatArray | None:
+        """(A * A,) 1/m of every pair met so far by a A + b, nan elsewhere."""
+        return self._sharpness
+
+
+def _weighing(candidates: RodCandidates, alpha: FloatArray) -> RodCandidates:
+    """Candidates that reach as far as contacts weigh in smooth minima of sharpness `alpha` (A * A,)."""
+    num_agents = len(candidates.reach)
+    segments = np.bincount(candidates.rods.agents, minlength=num_agents).astype(np.float64)
+    further = weighing_reach(np.outer(segments, segments), alpha.reshape(num_agents, num_agents))
+    # Sharpness is kept for a < b; the broad phase asks in either order.
+    further = np.triu(further) + np.triu(further, 1).T
+    return replace(candidates, reach=candidates.reach + further, sharpness=alpha)
