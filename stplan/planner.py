@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
+from stplan.analysis.metrics import metrics
 from stplan.certify.certificate import Certificate, certify
 from stplan.clock import Clock
 from stplan.compiled import compiled_before
@@ -30,7 +30,7 @@ from stplan.optimize.restoration import restore
 from stplan.problem import planning_problem
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
-from stplan.report import optimisation_times, report, run_record
+from stplan.report import OptimisationReport, OptimisationTimes, Report, RunRecord, SeedReport
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Seed
 from stplan.status import Status
@@ -63,16 +63,19 @@ class Plan:
         certificate: of the trajectories, or of the seed.
         report: what report.json holds, repeatable.
         run: what run.json holds, different every time.
-        status: how planning ended.
     """
 
     scene: Scene
     seed: WorldLines
     trajectories: WorldLines | None
     certificate: Certificate
-    report: dict[str, Any]
-    run: dict[str, Any]
-    status: Status
+    report: Report
+    run: RunRecord
+
+    @property
+    def status(self) -> Status:
+        """How planning ended."""
+        return self.report.status
 
     @property
     def advice(self) -> str:
@@ -127,9 +130,10 @@ def seed(scene: Scene, *, progress: Progress | None = None, stop: Stop | None = 
     with clock.stage("world"):
         problem = prepare(scene)
     initial = find_initial_curves(problem, progress=progress, stop=stop, clock=clock)
-    lines, certificate = initial.seed.world_lines, initial.certificate
-    content = report(scene, initial.seed, certificate, certificate, lines, Status.SEEDED)
-    return Plan(scene, lines, None, certificate, content, run_record(clock), Status.SEEDED)
+    found = SeedReport.of(initial.seed, initial.certificate, scene)
+    content = Report(scene, Status.SEEDED, initial.certificate, found.metrics, found)
+    lines = initial.seed.world_lines
+    return Plan(scene, lines, None, initial.certificate, content, RunRecord.of(clock))
 
 
 def check(scene: Scene, lines: WorldLines) -> Certificate:
@@ -147,8 +151,8 @@ def plan_files(result: Plan) -> dict[str, bytes]:
     curves = {"seed": result.seed}
     if result.trajectories is not None:
         curves["trajectories"] = result.trajectories
-    contents = curve_files(result.scene, curves) | {REPORT: json_bytes(result.report)}
-    return contents | {RUN_RECORD: json_bytes(result.run | {KEY: manifest(contents)})}
+    contents = curve_files(result.scene, curves) | {REPORT: json_bytes(result.report.as_dict())}
+    return contents | {RUN_RECORD: json_bytes(result.run.as_dict() | {KEY: manifest(contents)})}
 
 
 def prepare(scene: Scene) -> PlanningProblem:
@@ -204,12 +208,11 @@ def _planned(
     if not certificate.holds:
         lines, certificate, status = initial.seed.world_lines, initial.certificate, Status.BROKEN
         costs = optimised.seed_costs
-    content = report(scene, initial.seed, initial.certificate, certificate, lines, status)
-    content["linear_solver"] = chosen_linear_solver(scene)
-    content["costs"] = dict(costs)
-    content["outer_iterations"] = [done.as_dict() for done in optimised.outer_iterations]
-    run = run_record(clock) | {"optimisation": optimisation_times(optimised, clock)}
-    return Plan(scene, initial.seed.world_lines, lines, certificate, content, run, status)
+    found = SeedReport.of(initial.seed, initial.certificate, scene)
+    made = OptimisationReport(chosen_linear_solver(scene), costs, optimised.outer_iterations)
+    content = Report(scene, status, certificate, metrics(scene, lines), found, made)
+    run = RunRecord.of(clock, OptimisationTimes.of(optimised, clock.seconds["optimise"]))
+    return Plan(scene, initial.seed.world_lines, lines, certificate, content, run)
 
 
 def _silent(line: str) -> None:

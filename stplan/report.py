@@ -3,53 +3,195 @@
 from __future__ import annotations
 
 import platform
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cache
 from importlib import metadata
 from typing import Any
 
-from stplan.analysis.metrics import metrics
+from stplan.analysis.metrics import Metrics, metrics
 from stplan.certify.certificate import Certificate
 from stplan.clock import Clock
 from stplan.memory import MIB, peak
 from stplan.nlp.ipopt.adapter import versions as ipopt_versions
-from stplan.optimize.continuation import Optimisation
-from stplan.problem.world_lines import WorldLines
+from stplan.optimize.continuation import Optimisation, OuterIteration
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Seed
 from stplan.status import Status
 
+FORMAT = 1
 
-def report(
-    scene: Scene,
-    seed: Seed,
-    seed_certificate: Certificate,
-    certificate: Certificate,
-    lines: WorldLines,
-    status: Status,
-) -> dict[str, Any]:
-    """What report.json holds of curves `lines` and their `certificate`."""
-    tightest = seed_certificate.smallest
-    return {
-        "format": 1,
-        "status": status,
-        "advice": status.advice,
-        "scene": {
-            "name": scene.name,
-            "source": None if scene.source is None else str(scene.source),
-            "hash": scene.content_hash,
-            # A run is checked later against the scene as it was planned.
-            "overrides": list(scene.overrides),
-        },
-        "versions": versions(),
-        "certificate": certificate.as_dict(),
-        "metrics": metrics(scene, lines).as_dict(),
-        "seed": {
-            "found_by": seed.found_by,
-            "record": seed.record.as_dict(),
-            "smallest_clearance": None if tightest is None else tightest.clearance,
-            "metrics": metrics(scene, seed.world_lines).as_dict(),
-        },
-    }
+
+@dataclass(frozen=True)
+class SeedReport:
+    """Of the initial curves: what found them, at what effort, and how good they are."""
+
+    found_by: str
+    record: Mapping[str, float]
+    smallest_clearance: float | None
+    metrics: Metrics
+
+    @staticmethod
+    def of(seed: Seed, certificate: Certificate, scene: Scene) -> SeedReport:
+        """The report on a certified `seed` of `scene`."""
+        tightest = certificate.smallest
+        return SeedReport(
+            seed.found_by,
+            seed.record.as_dict(),
+            None if tightest is None else tightest.clearance,
+            metrics(scene, seed.world_lines),
+        )
+
+    def as_dict(self) -> dict[str, Any]:
+        """For report.json."""
+        return {
+            "found_by": self.found_by,
+            "record": dict(self.record),
+            "smallest_clearance": self.smallest_clearance,
+            "metrics": self.metrics.as_dict(),
+        }
+
+
+@dataclass(frozen=True)
+class OptimisationReport:
+    """Of the optimisation: the linear solver, the cost of every term at the end, the outer iterations."""
+
+    linear_solver: str
+    costs: Mapping[str, float]
+    outer_iterations: Sequence[OuterIteration]
+
+    def as_dict(self) -> dict[str, Any]:
+        """For report.json."""
+        return {
+            "linear_solver": self.linear_solver,
+            "costs": dict(self.costs),
+            "outer_iterations": [done.as_dict() for done in self.outer_iterations],
+        }
+
+
+@dataclass(frozen=True)
+class Report:
+    """What report.json holds.
+
+    Attributes:
+        certificate, metrics: of the trajectories, or of the seed where there is no more.
+        optimisation: None where only a seed was asked for.
+    """
+
+    scene: Scene
+    status: Status
+    certificate: Certificate
+    metrics: Metrics
+    seed: SeedReport
+    optimisation: OptimisationReport | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """For report.json."""
+        scene = self.scene
+        content = {
+            "format": FORMAT,
+            "status": self.status,
+            "advice": self.status.advice,
+            "scene": {
+                "name": scene.name,
+                "source": None if scene.source is None else str(scene.source),
+                "hash": scene.content_hash,
+                # A run is checked later against the scene as it was planned.
+                "overrides": list(scene.overrides),
+            },
+            "versions": versions(),
+            "certificate": self.certificate.as_dict(),
+            "metrics": self.metrics.as_dict(),
+            "seed": self.seed.as_dict(),
+        }
+        return content | ({} if self.optimisation is None else self.optimisation.as_dict())
+
+
+@dataclass(frozen=True)
+class OptimisationTimes:
+    """How the optimiser's time splits into evaluation and the rest, nearly all linear algebra; s.
+
+    Attributes:
+        whole: of the stage.
+        objective, hessian: of evaluating the objective with its gradient, and the Hessian.
+    """
+
+    iterations: int
+    whole: float
+    objective: float
+    hessian: float
+    evaluations: int
+    refused_steps: int
+    hessian_nonzeros: int
+
+    @staticmethod
+    def of(optimised: Optimisation, seconds: float) -> OptimisationTimes:
+        """Those of an optimisation that took `seconds`."""
+        watch = optimised.watch
+        return OptimisationTimes(
+            optimised.iterations, seconds, watch.objective, watch.hessian, watch.evaluations,
+            watch.refused, optimised.nonzeros,
+        )  # fmt: skip
+
+    @property
+    def evaluation(self) -> float:
+        """Of all evaluations, s."""
+        return self.objective + self.hessian
+
+    def as_dict(self) -> dict[str, Any]:
+        """For run.json."""
+        return {
+            "iterations": self.iterations,
+            "seconds_per_iteration": self.whole / max(self.iterations, 1),
+            "seconds": {
+                "objective_and_gradient": self.objective,
+                "hessian": self.hessian,
+                "evaluation": self.evaluation,
+                "linear_solve_and_rest": self.whole - self.evaluation,
+            },
+            "evaluations": self.evaluations,
+            "refused_steps": self.refused_steps,
+            "hessian_nonzeros": self.hessian_nonzeros,
+        }
+
+
+@dataclass(frozen=True)
+class RunRecord:
+    """What run.json holds: whatever may differ between two runs of the same scene.
+
+    Attributes:
+        started: date and time, ISO 8601.
+        seconds: of every stage, and in total.
+        optimisation: None where only a seed was asked for.
+    """
+
+    started: str
+    seconds: Mapping[str, float]
+    optimisation: OptimisationTimes | None = None
+    host: str = field(default_factory=platform.node)
+    platform: str = field(default_factory=platform.platform)
+    python: str = field(default_factory=platform.python_version)
+    peak_memory_mib: float = field(default_factory=lambda: round(peak() / MIB, 1))
+
+    @staticmethod
+    def of(clock: Clock, optimisation: OptimisationTimes | None = None) -> RunRecord:
+        """The record of what `clock` timed in this process."""
+        seconds = {**clock.seconds, "total": clock.total}
+        return RunRecord(clock.started.isoformat(), seconds, optimisation)
+
+    def as_dict(self) -> dict[str, Any]:
+        """For run.json."""
+        content = {
+            "started": self.started,
+            "seconds": dict(self.seconds),
+            "host": self.host,
+            "platform": self.platform,
+            "python": self.python,
+            "peak_memory_mib": self.peak_memory_mib,
+        }
+        return content | (
+            {} if self.optimisation is None else {"optimisation": self.optimisation.as_dict()}
+        )
 
 
 @cache
@@ -57,34 +199,3 @@ def versions() -> dict[str, str]:
     """Versions of this program and of what its results depend on."""
     names = ("stplan", "numpy", "scipy", "numba", "shapely", "trimesh")
     return {name: metadata.version(name) for name in names} | ipopt_versions()
-
-
-def run_record(clock: Clock) -> dict[str, Any]:
-    """What run.json holds of any planning."""
-    return {
-        "started": clock.started.isoformat(),
-        "seconds": {**clock.seconds, "total": clock.total},
-        "host": platform.node(),
-        "platform": platform.platform(),
-        "python": platform.python_version(),
-        "peak_memory_mib": round(peak() / MIB, 1),
-    }
-
-
-def optimisation_times(optimised: Optimisation, clock: Clock) -> dict[str, Any]:
-    """How the optimiser's time splits into evaluation and the rest, nearly all linear algebra."""
-    whole = clock.seconds["optimise"]
-    evaluation = optimised.watch.objective + optimised.watch.hessian
-    return {
-        "iterations": optimised.iterations,
-        "seconds_per_iteration": whole / max(optimised.iterations, 1),
-        "seconds": {
-            "objective_and_gradient": optimised.watch.objective,
-            "hessian": optimised.watch.hessian,
-            "evaluation": evaluation,
-            "linear_solve_and_rest": whole - evaluation,
-        },
-        "evaluations": optimised.watch.evaluations,
-        "refused_steps": optimised.watch.refused,
-        "hessian_nonzeros": optimised.nonzeros,
-    }

@@ -33,7 +33,7 @@ def test_a_scene_needs_no_less_than_what_is_said_before_it_starts():
     scene = circle(6, 6.0, 12.0)
     planned = plan(scene)
     least = memory.least_need(6, 6 * memory.LEAST_KNOTS)
-    assert planned.run["peak_memory_mib"] * memory.MIB > least
+    assert planned.run.peak_memory_mib * memory.MIB > least
     assert memory.peak() >= least
 
 

@@ -108,7 +108,7 @@ def our_outcome(scene: Scene, name: str, *, progress: Callable[[str], None]) -> 
         return Performance(name, OURS, len(scene.agents), note="no plan")
     everyone = np.ones(blank.agents, dtype=bool)
     motion = Motion(list(best.plan.trajectories.curves()), everyone, rests=True)
-    planned = best.plan.run["seconds"]["total"]
+    planned = best.plan.run.seconds["total"]
     note = f"certified; {planned:.1f} s of it are the plan itself"
     return measured(blank, scene, build_free_space(scene), motion, best.seconds, note)
 

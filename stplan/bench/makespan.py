@@ -76,7 +76,7 @@ def shortest_time(agent: Agent) -> float:
 
 def latest_arrival(found: Plan) -> float:
     """When the last agent arrives, s."""
-    return float(found.report["metrics"]["latest_arrival"])
+    return found.report.metrics.latest_arrival
 
 
 def _planned(scene: Scene, horizon: float, wanted: float) -> Plan | None:

@@ -75,26 +75,30 @@ def run(scene: Scene) -> tuple[SolveFigures, Plan | None]:
 
 def measured(planned: Plan, total_seconds: float) -> SolveFigures:
     """The figures of a plan that took `total_seconds`."""
-    seconds, optimisation = planned.run["seconds"], planned.run["optimisation"]
+    report, seconds, times = planned.report, planned.run.seconds, planned.run.optimisation
     smallest = planned.certificate.smallest
-    seed = planned.report["seed"]
-    return SolveFigures(
+    figures = SolveFigures(
         agents=len(planned.scene.agents),
         knots=len(planned.seed.knots),
-        found_by=seed["found_by"],
+        found_by=report.seed.found_by,
         status=planned.status,
         certified=planned.certificate.holds,
         seed_seconds=seconds["seed"],
-        optimise_seconds=seconds["optimise"],
         total_seconds=total_seconds,
-        iterations=optimisation["iterations"],
-        evaluation_share=optimisation["seconds"]["evaluation"] / seconds["optimise"],
-        refused_steps=optimisation["refused_steps"],
-        hessian_nonzeros=optimisation["hessian_nonzeros"],
-        kinetic_seed=seed["metrics"]["kinetic_over_straight"] or np.nan,
-        kinetic_end=planned.report["metrics"]["kinetic_over_straight"] or np.nan,
+        kinetic_seed=report.seed.metrics.kinetic_over_straight or np.nan,
+        kinetic_end=report.metrics.kinetic_over_straight or np.nan,
         clearance=np.inf if smallest is None else smallest.clearance,
-        peak_mib=planned.run["peak_memory_mib"],
+        peak_mib=planned.run.peak_memory_mib,
+    )
+    if times is None:
+        return figures
+    return replace(
+        figures,
+        optimise_seconds=times.whole,
+        iterations=times.iterations,
+        evaluation_share=times.evaluation / times.whole,
+        refused_steps=times.refused_steps,
+        hessian_nonzeros=times.hessian_nonzeros,
     )
 
 

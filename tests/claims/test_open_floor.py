@@ -35,7 +35,8 @@ def test_circles_are_crossed_without_spinning(count, claim):
     claim(name, "most turning of an agent, degrees", max(map(turned, found)), at_most=90)
     longest = max(path_length(own) / straight_length(own) for own in found)
     claim(name, "longest path over straight", longest, at_most=1.02)
-    ratio = planned(f"circle/circle-{count}").report["metrics"]["kinetic_over_straight"]
+    ratio = planned(f"circle/circle-{count}").report.metrics.kinetic_over_straight
+    assert ratio is not None
     claim(name, "kinetic energy over its bound", ratio, at_most=1.02)
 
 
@@ -77,7 +78,9 @@ def _energy(moved: Callable[[Point], Point]) -> float:
     text = STAND_OFF.format(*(list(map(float, moved(place))) for place in PLACES))
     result = plan(parse_scene(text))
     assert result.exit_status == 0
-    return float(result.report["metrics"]["kinetic_over_straight"])
+    ratio = result.report.metrics.kinetic_over_straight
+    assert ratio is not None
+    return ratio
 
 
 def test_a_symmetric_stand_off_resolves_without_jitter(claim):
@@ -116,8 +119,8 @@ def test_the_meadow_is_crossed_with_real_conflicts(claim):
 
 def test_one_path_of_all_costs_least(claim):
     """Of all paths to a goal "a straight line from start to end" costs least."""
-    rows = planned("paths/utility").report["metrics"]["agents"]
-    energy = {row["agent"]: row["kinetic_energy"] for row in rows}
+    agents = planned("paths/utility").report.metrics.agents
+    energy = {one.agent: one.kinetic_energy for one in agents}
     cheapest = min(energy["c1"], energy["c2"]) / energy["c3"]
     claim(
         "paths-utility", "energy of the given paths over the planned one", cheapest, at_least=1.05

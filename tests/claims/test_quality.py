@@ -26,10 +26,12 @@ def test_optimisation_smooths_the_initial_curves(name, claim):
         for lines in (result.seed, result.trajectories)
     )
     claim(result.scene.name, f"turning cost over the seed's {seed:.2f}", end / seed, at_most=0.9)
-    energy = [
-        part["metrics"]["kinetic_over_straight"] for part in (result.report, result.report["seed"])
-    ]
-    claim(result.scene.name, "kinetic energy over the seed's", energy[0] / energy[1], at_most=1.05)
+    after, before = (
+        part.metrics.kinetic_over_straight for part in (result.report, result.report.seed)
+    )
+    assert after is not None
+    assert before is not None
+    claim(result.scene.name, "kinetic energy over the seed's", after / before, at_most=1.05)
 
 
 def test_clearance_grows_with_mu(claim):

@@ -84,6 +84,7 @@ def test_solving_tells_every_iteration_and_plans_the_same(tmp_path):
     assert watched.trajectories is not None
     assert alone.trajectories is not None
     assert csv_bytes(watched.trajectories) == csv_bytes(alone.trajectories)
-    assert len(lines) > watched.run["optimisation"]["iterations"]
+    assert watched.run.optimisation is not None
+    assert len(lines) > watched.run.optimisation.iterations
     for expected in ("outer 1/", "mu ", "objective ", "clearance ", " iterations"):
         assert expected in lines[0]

@@ -84,7 +84,7 @@ def test_many_agents_in_each_others_way_keep_their_limits() -> None:
     assert len(plan.certificate.limits) == 10
     # The limits are felt: without them agents start at full speed.
     assert max(peak.reached / peak.allowed for peak in plan.certificate.limits) > 0.9
-    assert plan.report["certificate"]["limits"]["rows"][1][:2] == ["w-1", "acceleration"]
+    assert plan.report.as_dict()["certificate"]["limits"]["rows"][1][:2] == ["w-1", "acceleration"]
 
 
 def test_visits_on_time_and_as_long_as_asked() -> None:

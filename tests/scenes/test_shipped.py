@@ -45,7 +45,9 @@ def test_scene_says_what_it_shows(name: str) -> None:
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_time_is_split_into_evaluation_and_the_rest(name: str) -> None:
-    times = planned(name).run["optimisation"]
+    optimisation = planned(name).run.optimisation
+    assert optimisation is not None
+    times = optimisation.as_dict()
     split = times["seconds"]
     assert times["seconds_per_iteration"] > 0
     assert split["evaluation"] > 0
@@ -60,4 +62,4 @@ def test_running_twice_gives_the_same_bytes(name: str) -> None:
     assert second.trajectories is not None
     assert csv_bytes(first.trajectories) == csv_bytes(second.trajectories)
     assert csv_bytes(first.seed) == csv_bytes(second.seed)
-    assert json_bytes(first.report) == json_bytes(second.report)
+    assert json_bytes(first.report.as_dict()) == json_bytes(second.report.as_dict())

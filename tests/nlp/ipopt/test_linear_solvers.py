@@ -67,7 +67,8 @@ def test_the_probe_loads_what_the_scene_names(installed):
 
 def test_auto_finds_what_the_installed_ipopt_has():
     planned = plan(asking_for(None))
-    assert planned.report["linear_solver"] == "mumps"
+    assert planned.report.optimisation is not None
+    assert planned.report.optimisation.linear_solver == "mumps"
     assert planned.certificate.holds
 
 
