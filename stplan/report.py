@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import metadata
+from platform import node, python_version
+from platform import platform as platform_name
 from typing import Any
 
 from stplan.analysis.metrics import Metrics, metrics
@@ -168,9 +169,9 @@ class RunRecord:
     started: str
     seconds: Mapping[str, float]
     optimisation: OptimisationTimes | None = None
-    host: str = field(default_factory=platform.node)
-    platform: str = field(default_factory=platform.platform)
-    python: str = field(default_factory=platform.python_version)
+    host: str = field(default_factory=node)
+    platform: str = field(default_factory=platform_name)
+    python: str = field(default_factory=python_version)
     peak_memory_mib: float = field(default_factory=lambda: round(peak() / MIB, 1))
 
     @staticmethod
