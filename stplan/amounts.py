@@ -1,9 +1,11 @@
-"""Numbers as sentences show them: in fixed decimals, and different where they differ."""
+"""Numbers: how large they may be, and how sentences show them: in fixed decimals, apart where they differ."""
 
 from __future__ import annotations
 
 from decimal import Decimal
 
+# Metres, seconds, kilograms beyond this are a mistake of units; squares of them stay exact enough.
+LARGEST = 1e9
 # Digits that a number shows at least, and that tell any two of them apart.
 FEWEST_DIGITS, MOST_DIGITS = 4, 17
 # Decimals of coordinates: micrometres.

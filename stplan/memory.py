@@ -1,7 +1,7 @@
 """How much memory there is, how much was used, and whether a scene can fit at all.
 
 What a plan needs grows with the knots (the contact list and the matrix made of it) and with the
-pairs of agents (one row of the certificate each). Both are known before anything is computed, and
+pairs of agents (their settings and ranges). Both are known before anything is computed, and
 the least a knot and a pair can need is known from measurement: a scene that needs more than there is
 would be stopped by the system in the middle of its work, so it is refused at once.
 """
@@ -18,10 +18,10 @@ MIB = 2**20
 # Agents have at least so many knots where the scene does not say how many.
 LEAST_KNOTS = 20
 # Bytes of the program and its compiled kernels; of a knot without any contact: its blocks in Ipopt's
-# matrix and their factors; of a pair of agents: its settings and its row of the certificate.
+# matrix and their factors; of a pair of agents: its settings and its range, both ways round.
 PROGRAM = 200 * MIB
 A_KNOT = 6000
-A_PAIR = 600
+A_PAIR = 150
 
 
 def least_need(agents: int, knots: int) -> int:

@@ -10,7 +10,7 @@ import numpy as np
 from stplan.analysis.crowd import Crowd
 from stplan.certify.certificate import Certificate
 from stplan.certify.pair_clearance import nearest_moments
-from stplan.certify.wall_clearance import time_at, wall_distance
+from stplan.certify.wall_clearance import time_at, wall_distances
 
 # A clearance is tight below this share of the distance that is kept.
 TIGHT = 0.1
@@ -74,14 +74,17 @@ def pair_spots(crowd: Crowd) -> list[TightSpot]:
 
 def wall_spots(crowd: Crowd) -> list[TightSpot]:
     """The tightest spot of every agent that heeds walls, tightest first."""
-    if crowd.free_space is None:
+    heeding = np.flatnonzero(crowd.heeds_walls).tolist()
+    if crowd.free_space is None or not heeding:
         return []
+    curves = [crowd.lines.curve(a) for a in heeding]
+    found = wall_distances(crowd.free_space, curves)
     spots = []
-    for a in np.flatnonzero(crowd.heeds_walls).tolist():
-        curve, radius = crowd.lines.curve(a), float(crowd.radii[a])
-        distance, place = wall_distance(crowd.free_space, curve)
+    for a, curve, distance, place in zip(
+        heeding, curves, found.distance.tolist(), found.place, strict=True
+    ):
+        who, radius = (crowd.lines.agent_ids[a],), float(crowd.radii[a])
         x, y = place.tolist()
-        who = (crowd.lines.agent_ids[a],)
         spots.append(TightSpot(who, distance - radius, radius, time_at(curve, place), (x, y)))
     return sorted(spots, key=lambda spot: spot.clearance)
 

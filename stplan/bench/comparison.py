@@ -19,7 +19,7 @@ from stplan.bench.makespan import fastest
 from stplan.bench.rivals import casadi_grid, jupedsim_model, ompl_joint, rvo2
 from stplan.bench.rivals.task import Motion, Task
 from stplan.certify.pair_clearance import nearest_moments
-from stplan.certify.wall_clearance import wall_distance
+from stplan.certify.wall_clearance import wall_distances
 from stplan.errors import UsageError
 from stplan.planner import find_initial_curves, prepare
 from stplan.problem.world_lines import WorldLines
@@ -193,8 +193,6 @@ def smallest_clearance(
     gaps = found.distance - radii[found.pairs].sum(axis=1)
     smallest = float(gaps.min(initial=np.inf))
     if free_space is not None:
-        walls = (wall_distance(free_space, curve)[0] for curve in curves)
-        smallest = min(
-            smallest, *(wall - radius for wall, radius in zip(walls, radii, strict=True))
-        )
-    return float(smallest)
+        walls = wall_distances(free_space, curves).distance
+        smallest = min(smallest, float((walls - radii).min()))
+    return smallest

@@ -1,8 +1,9 @@
 """The certificate: what every written trajectory promises, checked in continuous time.
 
 Starts, ends and times; distances of every interacting pair at every instant at which both are present;
-distances of every path to the walls; waypoints, meetings, limits of motion and given paths. Interactions
-that the scene switches off are counted, not demanded.
+distances of every path to the walls; waypoints, meetings, limits of motion and prescribed paths. Interactions
+that the scene switches off are counted, not demanded. Distances have to exceed what is asked by more than
+rounding could feign (`stplan.certify.local_frame`).
 """
 
 from __future__ import annotations
@@ -12,35 +13,20 @@ from typing import Any
 
 import numpy as np
 
-from stplan.arrays import FloatArray
+from stplan.certify.ends import agents_that_differ, broken_ends
+from stplan.certify.local_frame import LocalFrame
 from stplan.certify.meetings import MeetingSpot, meeting_spots
-from stplan.certify.motion import PLACE_TOLERANCE, Peak, missed_visit, motion_peaks
-from stplan.certify.pair_clearance import nearest_moments
-from stplan.certify.wall_clearance import time_at, wall_distance
+from stplan.certify.motion import Peak, motion_peaks
+from stplan.certify.pairs import check_pairs
+from stplan.certify.tightest import Tightest, Unlisted
+from stplan.certify.walls import check_walls
 from stplan.problem.world_lines import WorldLines
-from stplan.scene.interactions import scene_interactions
-from stplan.scene.model import Agent, Scene
+from stplan.scene.model import Scene
+from stplan.scene.presence import present_until
 from stplan.world import FreeSpace
 
 # Columns of a row in the report.
 _COLUMNS = ("a", "b", "clearance", "time", "x", "y")
-
-
-@dataclass(frozen=True)
-class Tightest:
-    """A smallest clearance: of whom, how much (m), when (s) and where (m)."""
-
-    who: tuple[str, ...]
-    clearance: float
-    time: float
-    place: tuple[float, float]
-
-    def __str__(self) -> str:
-        """In words."""
-        return (
-            f"{' and '.join(self.who)}: {self.clearance:.4g} m at t = {self.time:.4g} s, "
-            f"({self.place[0]:.4g}, {self.place[1]:.4g})"
-        )
 
 
 @dataclass(frozen=True)
@@ -49,11 +35,13 @@ class Certificate:
 
     Attributes:
         violations: one sentence for every broken promise, none where the certificate holds.
-        pairs: smallest clearance of every demanded pair, in scene order.
+        pairs: smallest clearance of every demanded pair, in scene order; in large scenes only those of
+            the tightest pairs, the tightest first.
         walls: smallest clearance of every agent that heeds walls.
         ignored_pairs, ignored_walls: how many interactions the scene switches off.
         limits: greatest speed and acceleration of every agent that has a limit.
         meetings: the nearest moment of every pair that has to meet.
+        unlisted: what is proven of the pairs that `pairs` leaves out, None where it holds all.
     """
 
     violations: tuple[str, ...]
@@ -63,11 +51,17 @@ class Certificate:
     ignored_walls: int
     limits: tuple[Peak, ...] = ()
     meetings: tuple[MeetingSpot, ...] = ()
+    unlisted: Unlisted | None = None
 
     @property
     def holds(self) -> bool:
         """Whether every promise is kept."""
         return not self.violations
+
+    @property
+    def num_pairs(self) -> int:
+        """How many pairs were looked at: listed, or proven to be further apart than those listed."""
+        return len(self.pairs) + (0 if self.unlisted is None else self.unlisted.pairs)
 
     @property
     def smallest(self) -> Tightest | None:
@@ -88,11 +82,17 @@ class Certificate:
         def row(spot: Tightest) -> list[Any]:
             return [*spot.who, spot.clearance, spot.time, *spot.place]
 
+        pairs: dict[str, Any] = {"columns": list(_COLUMNS), "rows": [row(p) for p in self.pairs]}
+        if self.unlisted is not None:
+            pairs["others"] = {
+                "pairs": self.unlisted.pairs,
+                "clearance_above": self.unlisted.clearance,
+            }
         return {
             "holds": self.holds,
             "violations": list(self.violations),
             "smallest_clearance": None if self.smallest is None else row(self.smallest),
-            "pairs": {"columns": list(_COLUMNS), "rows": [row(spot) for spot in self.pairs]},
+            "pairs": pairs,
             "walls": {
                 "columns": ["agent", *_COLUMNS[2:]],
                 "rows": [row(spot) for spot in self.walls],
@@ -110,8 +110,11 @@ class Certificate:
 
 
 def certify(scene: Scene, free_space: FreeSpace | None, lines: WorldLines) -> Certificate:
-    """Check `lines` (in any agent order) against `scene`."""
-    missing = _agents_that_differ(scene, lines)
+    """Check `lines` (in any agent order) against `scene`.
+
+    The work grows with the number of agents and of what is near them, not with all pairs.
+    """
+    missing = agents_that_differ(scene, lines)
     if missing:
         return Certificate(tuple(missing), (), (), 0, 0)
     place = {agent_id: a for a, agent_id in enumerate(lines.agent_ids)}
@@ -119,133 +122,32 @@ def certify(scene: Scene, free_space: FreeSpace | None, lines: WorldLines) -> Ce
     violations = [
         sentence
         for agent, curve in zip(scene.agents, curves, strict=True)
-        for sentence in _broken_ends(agent, curve)
+        for sentence in broken_ends(agent, curve)
     ]
     if violations:
         # Distances of curves that run back in time would mean nothing.
         return Certificate(tuple(violations), (), (), 0, 0)
-    pairs, ignored_pairs, close = _check_pairs(scene, curves)
-    walls, ignored_walls, through = _check_walls(scene, free_space, curves)
+    frame = LocalFrame.around(
+        lines.knots[:, :2], *(() if free_space is None else (free_space.boundary_vertices,))
+    )
+    ordered = WorldLines.from_curves([agent.id for agent in scene.agents], curves)
+    local = ordered.with_knots(frame.local(ordered.knots))
+    leaves = present_until(
+        np.array([agent.after_arrival == "stay" for agent in scene.agents]),
+        np.array([curve[-1, 2] for curve in curves]),
+        scene.final_time,
+    )
+    pairs = check_pairs(scene, local, leaves, frame)
+    walls = check_walls(scene, free_space, curves, frame)
     peaks = [
         peak
         for agent, curve in zip(scene.agents, curves, strict=True)
         for peak in motion_peaks(agent, curve)
     ]
-    meetings = meeting_spots(scene, curves, _leaves(scene, curves))
+    meetings = meeting_spots(scene, local, leaves, frame)
     broken = [str(peak) for peak in peaks if not peak.holds]
     broken += [str(meeting) for meeting in meetings if not meeting.holds]
     return Certificate(
-        tuple(close + through + broken), pairs, walls, ignored_pairs, ignored_walls,
-        tuple(peaks), tuple(meetings),
+        (*pairs.violations, *walls.violations, *broken), pairs.spots, walls.spots, pairs.ignored,
+        walls.ignored, tuple(peaks), tuple(meetings), pairs.unlisted,
     )  # fmt: skip
-
-
-def _agents_that_differ(scene: Scene, lines: WorldLines) -> list[str]:
-    wanted = [agent.id for agent in scene.agents]
-    found = list(lines.agent_ids)
-    sentences = [f"{name}: has no trajectory" for name in wanted if name not in set(found)]
-    sentences += [f"{name}: is not in the scene" for name in found if name not in set(wanted)]
-    if len(set(found)) != len(found):
-        sentences.append("an agent has more than one trajectory")
-    return sentences
-
-
-def _broken_ends(agent: Agent, curve: FloatArray) -> list[str]:
-    """Promise 1 and 4 for one agent: ends, times, waypoints, a given path."""
-    if len(curve) < 2 or not np.isfinite(curve).all():
-        return [f"{agent.id}: needs at least two finite knots"]
-    sentences = []
-    if (np.diff(curve[:, 2]) <= 0).any():
-        knot = int(np.flatnonzero(np.diff(curve[:, 2]) <= 0)[0]) + 1
-        sentences.append(f"{agent.id}: time does not increase at knot {knot}")
-    if tuple(curve[0]) != (*agent.start, agent.start_time):
-        sentences.append(
-            f"{agent.id}: starts at {tuple(curve[0].tolist())}, "
-            f"not at {(*agent.start, agent.start_time)}"
-        )
-    if tuple(curve[-1, :2]) != agent.goal:
-        sentences.append(
-            f"{agent.id}: ends at {tuple(curve[-1, :2].tolist())}, not at {agent.goal}"
-        )
-    if curve[-1, 2] > agent.max_time:
-        sentences.append(f"{agent.id}: arrives at {curve[-1, 2]} s, after {agent.max_time} s")
-    if sentences:
-        return sentences
-    missed = missed_visit(agent, curve)
-    if missed:
-        return [missed]
-    if agent.path is not None:
-        given = np.array(agent.path)
-        times = np.union1d(given[:, 2], curve[:, 2])
-        gap = max(
-            np.abs(
-                np.interp(times, given[:, 2], given[:, x])
-                - np.interp(times, curve[:, 2], curve[:, x])
-            ).max()
-            for x in range(2)
-        )
-        if gap > PLACE_TOLERANCE or curve[-1, 2] != given[-1, 2]:
-            return [f"{agent.id}: leaves its given path by {gap:.3g} m"]
-    return []
-
-
-def _leaves(scene: Scene, curves: list[FloatArray]) -> FloatArray:
-    """(A,) until when every agent is present, s."""
-    return np.array(
-        [
-            scene.final_time if agent.after_arrival == "stay" else curve[-1, 2]
-            for agent, curve in zip(scene.agents, curves, strict=True)
-        ]
-    )
-
-
-def _check_pairs(
-    scene: Scene, curves: list[FloatArray]
-) -> tuple[tuple[Tightest, ...], int, list[str]]:
-    interactions = scene_interactions(scene)
-    lines = WorldLines.from_curves([agent.id for agent in scene.agents], curves)
-    found = nearest_moments(lines, _leaves(scene, curves), interactions.collides)
-    needs = interactions.distance[found.pairs[:, 0], found.pairs[:, 1]]
-    columns = (found.pairs, found.distance, needs, found.instant, found.middle)
-    rows = zip(*(column.tolist() for column in columns), strict=True)
-    ignored = len(curves) * (len(curves) - 1) // 2 - len(found.pairs)
-    spots, sentences = [], []
-    for (a, b), gap, needed, when, (x, y) in rows:
-        if not np.isfinite(gap):
-            continue
-        names = (scene.agents[a].id, scene.agents[b].id)
-        spot = Tightest(names, gap - needed, when, (x, y))
-        spots.append(spot)
-        if gap <= needed:
-            sentences.append(
-                f"{names[0]} and {names[1]}: {gap:.6g} m apart at t = {when:.6g} s, "
-                f"({x:.4g}, {y:.4g}); more than {needed:.6g} m is needed"
-            )
-    return tuple(spots), ignored, sentences
-
-
-def _check_walls(
-    scene: Scene, free_space: FreeSpace | None, curves: list[FloatArray]
-) -> tuple[tuple[Tightest, ...], int, list[str]]:
-    if free_space is None:
-        return (), 0, []
-    spots, sentences, ignored = [], [], 0
-    for agent, curve in zip(scene.agents, curves, strict=True):
-        if agent.weights.wall == 0:
-            ignored += 1
-            continue
-        distance, place = wall_distance(free_space, curve)
-        when = time_at(curve, place)
-        spot = Tightest(
-            (agent.id,), distance - agent.radius, when, (float(place[0]), float(place[1]))
-        )
-        spots.append(spot)
-        if distance <= agent.radius:
-            where = f"at t = {when:.6g} s, ({place[0]:.4g}, {place[1]:.4g})"
-            sentences.append(
-                f"{agent.id}: leaves the free space {where}"
-                if distance < 0
-                else f"{agent.id}: {distance:.6g} m from a wall {where}; "
-                f"more than its radius {agent.radius:.6g} m is needed"
-            )
-    return tuple(spots), ignored, sentences

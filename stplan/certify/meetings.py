@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stplan.amounts import distinct, place
 from stplan.arrays import FloatArray
+from stplan.certify.local_frame import LocalFrame
+from stplan.certify.motion import ROUNDING
+from stplan.problem.world_lines import WorldLines
 from stplan.scene.interactions import scene_meetings
 from stplan.scene.model import Scene
 
@@ -24,33 +27,41 @@ class MeetingSpot:
 
     @property
     def holds(self) -> bool:
-        """Whether they meet."""
-        return self.distance <= self.within
+        """Whether they meet; up to rounding, as limits hold."""
+        return self.distance <= self.within * (1.0 + ROUNDING)
 
     def __str__(self) -> str:
         """In words."""
         names = " and ".join(self.who)
         if not np.isfinite(self.distance):
             return f"{names}: are never both present when they should meet"
+        apart, within = distinct(self.distance, self.within, digits=6)
         return (
-            f"{names}: come no nearer than {self.distance:.6g} m, at t = {self.time:.6g} s, "
-            f"({self.place[0]:.4g}, {self.place[1]:.4g}); they should meet within {self.within:g} m"
+            f"{names}: come no nearer than {apart} m, at t = {self.time:.6g} s, "
+            f"{place(*self.place)}; they should meet within {within} m"
         )
 
 
 def meeting_spots(
-    scene: Scene, curves: Sequence[FloatArray], leaves: FloatArray
+    scene: Scene, lines: WorldLines, leaves: FloatArray, frame: LocalFrame
 ) -> list[MeetingSpot]:
-    """One spot a meeting of the scene; agents stand still from their last knot until `leaves` (A,)."""
+    """One spot a meeting of the scene.
+
+    Args:
+        lines: in scene order, their places in `frame`.
+        leaves: (A,) until when each agent is present, s; it stands still after its last knot.
+    """
     spots = []
     for meeting in scene_meetings(scene):
-        first, second = curves[meeting.first], curves[meeting.second]
+        first, second = lines.curve(meeting.first), lines.curve(meeting.second)
         begin = max(first[0, 2], second[0, 2])
         end = min(leaves[meeting.first], leaves[meeting.second])
         if meeting.meet.window is not None:
             begin, end = max(begin, meeting.meet.window[0]), min(end, meeting.meet.window[1])
         who = (scene.agents[meeting.first].id, scene.agents[meeting.second].id)
-        spots.append(_nearest(who, meeting.meet.within, first, second, begin, end))
+        spot = _nearest(who, meeting.meet.within, first, second, begin, end)
+        x, y = frame.outside(np.array(spot.place)).tolist()
+        spots.append(replace(spot, place=(x, y)))
     return spots
 
 

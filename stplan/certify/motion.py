@@ -1,8 +1,15 @@
 """Greatest speed and acceleration of a curve, and whether it visits its waypoints as asked.
 
-Motion is straight at constant speed between knots, so speed is that of segments. Acceleration is the
-change of velocity from one segment to the next over the time between their middles; before the first
-and after the last knot an agent with such a limit is at rest, half a segment from that segment's middle.
+Motion is straight at constant speed between knots, so speed is that of segments. Velocity jumps at knots,
+so an acceleration has to be defined: the change of velocity at a knot over the time between the middles of
+its two segments, but over no more than an eighth of the time from start to arrival (`LONGEST_SHARE`).
+Before the first and after the last knot an agent with such a limit is at rest, half a segment from that
+segment's middle.
+
+Any smooth motion through the knots at their times accelerates at least so much somewhere around the knot
+(mean value theorem). An agent that changes its velocity evenly around a knot, at a rate a for a time w,
+strays from the curve by a w^2 / 8. Without the eighth, a curve of few long segments would hide any
+acceleration in a large w.
 """
 
 from __future__ import annotations
@@ -14,10 +21,12 @@ import numpy as np
 from stplan.arrays import FloatArray
 from stplan.scene.model import Agent, Visit
 
-# A waypoint counts as passed within this distance (m).
-PLACE_TOLERANCE = 1e-6
-# Limits count as kept up to this relative excess, which is rounding; times up to so many seconds.
+# A waypoint counts as passed, a prescribed path as followed, within this share of the agent's radius.
+PLACE_SHARE = 1e-6
+# Limits count as kept up to this relative excess, which is rounding; times up to this share of the curve's.
 ROUNDING = 1e-9
+# A change of velocity takes at most this share of the time from start to arrival.
+LONGEST_SHARE = 1.0 / 8.0
 
 
 @dataclass(frozen=True)
@@ -58,23 +67,37 @@ def motion_peaks(agent: Agent, curve: FloatArray) -> list[Peak]:
         rest = np.zeros((1, 2))
         change = np.diff(np.vstack([rest, velocity, rest]), axis=0)
         half = np.concatenate([[0.0], 0.5 * step[:, 2], [0.0]])
-        acceleration = np.hypot(change[:, 0], change[:, 1]) / (half[:-1] + half[1:])
+        longest = LONGEST_SHARE * float(curve[-1, 2] - curve[0, 2])
+        lasting = np.minimum(half[:-1] + half[1:], longest)
+        acceleration = np.hypot(change[:, 0], change[:, 1]) / lasting
         worst = int(acceleration.argmax())
         limit, reached = agent.max_acceleration, float(acceleration[worst])
         peaks.append(Peak(agent.id, "acceleration", limit, reached, float(curve[worst, 2])))
     return peaks
 
 
+def place_tolerance(agent: Agent, curve: FloatArray) -> float:
+    """Within what distance places of `curve` count as the same, m: no less than coordinates can tell."""
+    return PLACE_SHARE * agent.radius + 4.0 * float(np.spacing(np.abs(curve[:, :2]).max()))
+
+
+def _time_tolerance(curve: FloatArray) -> float:
+    """Up to what difference times of `curve` count as the same, s."""
+    rounding = 4.0 * float(np.spacing(np.abs(curve[:, 2]).max()))
+    return ROUNDING * float(curve[-1, 2] - curve[0, 2]) + rounding
+
+
 def missed_visit(agent: Agent, curve: FloatArray) -> str:
     """What is wrong with the first waypoint that is not visited in order and as asked, or ""."""
     visits = agent.visits or (Visit(),) * len(agent.waypoints)
+    tolerance, late = place_tolerance(agent, curve), _time_tolerance(curve)
     now = -np.inf
     for number, (point, visit) in enumerate(zip(agent.waypoints, visits, strict=True), start=1):
         begin, end = visit.window or (-np.inf, np.inf)
         begin = max(begin, now)
-        for enter, leave in _stays(curve, point):
+        for enter, leave in _stays(curve, point, tolerance):
             arrives = max(begin, enter)
-            if arrives + visit.dwell <= min(end, leave) + ROUNDING:
+            if arrives + visit.dwell <= min(end, leave) + late:
                 now = arrives + visit.dwell
                 break
         else:
@@ -91,20 +114,20 @@ def _missed(name: str, number: int, point: tuple[float, float], visit: Visit) ->
     return what
 
 
-def _stays(curve: FloatArray, point: tuple[float, float]) -> list[tuple[float, float]]:
-    """When a curve is on `point`: intervals [enter, leave] in s, in order."""
+def _stays(
+    curve: FloatArray, point: tuple[float, float], tolerance: float
+) -> list[tuple[float, float]]:
+    """When a curve is within `tolerance` (m) of `point`: intervals [enter, leave] in s, in order."""
     start, step = curve[:-1], np.diff(curve, axis=0)
     squared = (step[:, :2] ** 2).sum(axis=1)
     moves = squared > 0
     safe = np.where(moves, squared, 1.0)
     along = ((point - start[:, :2]) * step[:, :2]).sum(axis=1) / safe
-    across = PLACE_TOLERANCE**2 - ((start[:, :2] + along[:, None] * step[:, :2] - point) ** 2).sum(
-        axis=1
-    )
+    across = tolerance**2 - ((start[:, :2] + along[:, None] * step[:, :2] - point) ** 2).sum(axis=1)
     half = np.sqrt(np.maximum(across, 0.0) / safe)
     first = np.where(moves, np.maximum(along - half, 0.0), 0.0)
     last = np.where(moves, np.minimum(along + half, 1.0), 1.0)
-    near = np.hypot(*(start[:, :2] - point).T) <= PLACE_TOLERANCE
+    near = np.hypot(*(start[:, :2] - point).T) <= tolerance
     stays: list[tuple[float, float]] = []
     for k in np.flatnonzero(np.where(moves, (across >= 0) & (first <= last), near)):
         enter = float(start[k, 2] + first[k] * step[k, 2])

@@ -18,7 +18,7 @@ from stplan.problem.world_lines import WorldLines
 
 @dataclass(frozen=True)
 class NearestMoments:
-    """The nearest moment of every pair asked for, in the order of agents.
+    """The nearest moment of every pair asked for.
 
     Attributes:
         pairs: (P, 2) agents a < b.
@@ -34,20 +34,23 @@ class NearestMoments:
 
 
 def nearest_moments(lines: WorldLines, leaves: FloatArray, wanted: BoolArray) -> NearestMoments:
-    """When and where the agents of every wanted pair are nearest to each other.
+    """When and where the agents of every wanted pair are nearest to each other, in the order of agents.
 
     Args:
         leaves: (A,) until when each agent is present, at or after its last knot; it stands still
             after the last knot.
         wanted: (A, A), asked for a < b.
     """
-    count = int(np.triu(wanted, 1).sum())
-    found = NearestMoments(
-        np.empty((count, 2), dtype=np.int64), np.empty(count), np.empty(count), np.empty((count, 2))
-    )
+    return nearest_moments_of(lines, leaves, np.argwhere(np.triu(wanted, 1)))
+
+
+def nearest_moments_of(lines: WorldLines, leaves: FloatArray, pairs: IntArray) -> NearestMoments:
+    """The same of `pairs` (P, 2) in their order."""
+    count = len(pairs)
+    found = NearestMoments(pairs, np.empty(count), np.empty(count), np.empty((count, 2)))
     _fill(
-        lines.knots, lines.offsets, leaves, wanted,
-        found.pairs, found.distance, found.instant, found.middle,
+        lines.knots, lines.offsets, leaves, np.ascontiguousarray(pairs, dtype=np.int64),
+        found.distance, found.instant, found.middle,
     )  # fmt: skip
     return found
 
@@ -57,30 +60,20 @@ def _fill(
     knots: FloatArray,
     offsets: IntArray,
     leaves: FloatArray,
-    wanted: BoolArray,
     pairs: IntArray,
     distance: FloatArray,
     instant: FloatArray,
     middle: FloatArray,
 ) -> None:
-    count = 0
-    for a in range(len(leaves)):
-        for b in range(a + 1, len(leaves)):
-            if not wanted[a, b]:
-                continue
-            best, when, x, y = _least_distance(
-                knots[offsets[a] : offsets[a + 1]],
-                knots[offsets[b] : offsets[b + 1]],
-                leaves[a],
-                leaves[b],
-            )
-            pairs[count, 0] = a
-            pairs[count, 1] = b
-            distance[count] = best
-            instant[count] = when
-            middle[count, 0] = x
-            middle[count, 1] = y
-            count += 1
+    for k in range(len(pairs)):
+        a = pairs[k, 0]
+        b = pairs[k, 1]
+        distance[k], instant[k], middle[k, 0], middle[k, 1] = _least_distance(
+            knots[offsets[a] : offsets[a + 1]],
+            knots[offsets[b] : offsets[b + 1]],
+            leaves[a],
+            leaves[b],
+        )
 
 
 @kernel

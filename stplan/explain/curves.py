@@ -29,7 +29,7 @@ def curve_sections(
     found = waits(crowd)
     pairs, walls = certified_spots(crowd, certificate)
     return [
-        pair_section(pairs),
+        pair_section(pairs, certificate.num_pairs),
         wall_section(walls),
         *limit_sections(certificate),
         waiting_section(found, crowd.num_agents),
@@ -38,9 +38,9 @@ def curve_sections(
     ]
 
 
-def pair_section(spots: Sequence[TightSpot]) -> Section:
-    """Pairs that come close to the distance they keep, the tightest first."""
-    what = count(len(spots), "pair") + " that may not touch"
+def pair_section(spots: Sequence[TightSpot], num_pairs: int) -> Section:
+    """Pairs that come close to the distance they keep, the tightest first, of `num_pairs` in all."""
+    what = count(num_pairs, "pair") + " that may not touch"
     return _tight("pairs", "Between agents", spots, what, "No two agents have to keep apart.")
 
 

@@ -54,7 +54,8 @@ def compare_verdicts(
     if a.holds != b.holds:
         changes.append(Change("certificate holds", a.holds, b.holds))
     for who in dict.fromkeys((*a.clearances, *b.clearances)):
-        first, second = a.clearances.get(who), b.clearances.get(who)
+        first = a.clearance(who, b.clearances.get(who))
+        second = b.clearance(who, a.clearances.get(who))
         subject = f"clearance of {' and '.join(who)}" + (" to the walls" if len(who) == 1 else "")
         if first is None or second is None:
             changes.append(Change(subject, first, second))

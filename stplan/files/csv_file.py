@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from stplan.amounts import LARGEST
 from stplan.errors import UsageError
 from stplan.problem.world_lines import WorldLines
 
@@ -29,7 +30,8 @@ def csv_bytes(lines: WorldLines) -> bytes:
 def read_csv(path: Path) -> WorldLines:
     """Read trajectories, written by this program or not; columns may stand in any order.
 
-    Rows of an agent are contiguous, its knots are numbered 0, 1, 2, ... and are at least two.
+    Rows of an agent are contiguous, its knots are numbered 0, 1, 2, ... and are at least two. No number
+    is beyond `LARGEST`: so far out, distances of metres would be rounding.
     That times increase is not asked here: it is one of the promises that a certificate checks.
 
     Raises:
@@ -115,6 +117,8 @@ class _Reader:
         # Python reads 1_000 as a number; no other reader of CSV does.
         if not math.isfinite(value) or "_" in text:
             raise self._error(f"{name} is {text!r}; expected a finite number")
+        if abs(value) > LARGEST:
+            raise self._error(f"{name} is {text!r}; expected no number beyond {LARGEST:g}")
         return value
 
     def _error(self, message: str) -> UsageError:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.lib import format as npy_format
 
+from stplan.amounts import LARGEST
 from stplan.arrays import FloatArray, IntArray
 from stplan.errors import UsageError
 from stplan.problem.world_lines import WorldLines
@@ -110,6 +111,9 @@ class _Checked:
             )
         ids = self._agent_ids()
         knots = self._floats("knots", (None, 3))
+        if np.abs(knots).max(initial=0.0) > LARGEST:
+            place = tuple(np.argwhere(np.abs(knots) > LARGEST)[0].tolist())
+            raise self._error("knots", f"the number at {place} is beyond {LARGEST:g}")
         lines = WorldLines(ids, self._offsets(len(ids), len(knots)), knots)
         scale = self._optional("time_scale", ())
         return NpzContent(

@@ -33,6 +33,8 @@ class RecordedReport:
         holds: whether the certificate does.
         clearances: least clearance (m) of everything demanded, by whom it concerns: two agents, or
             one and the walls.
+        others_above: what the clearance of every pair that is not listed exceeds (m), None where all
+            are listed.
         latest_arrival: s.
         costs: of every term at the end.
         iterations: of all outer iterations together.
@@ -46,6 +48,7 @@ class RecordedReport:
     versions: Mapping[str, str] = field(default_factory=dict)
     holds: bool | None = None
     clearances: Mapping[tuple[str, ...], float] = field(default_factory=dict)
+    others_above: float | None = None
     latest_arrival: float | None = None
     kinetic_over_straight: float | None = None
     costs: Mapping[str, float] = field(default_factory=dict)
@@ -55,6 +58,13 @@ class RecordedReport:
     def smallest_clearance(self) -> float | None:
         """The smallest of all demanded clearances, m; None where nothing interacts."""
         return min(self.clearances.values(), default=None)
+
+    def clearance(self, who: tuple[str, ...], expected: float | None) -> float | None:
+        """That of `who`; of a pair that is not listed, what is nearest to `expected` of all it can be."""
+        listed = self.clearances.get(who)
+        if listed is not None or self.others_above is None or expected is None or len(who) < 2:
+            return listed
+        return max(expected, self.others_above)
 
 
 @dataclass(frozen=True)
@@ -96,6 +106,8 @@ def parse_report(content: Mapping[str, Any], path: Path) -> RecordedReport:
         certificate = content.get("certificate")
         holds = None if certificate is None else _flag(certificate["holds"])
         clearances = {} if certificate is None else _clearances(certificate)
+        others = None if certificate is None else certificate["pairs"].get("others")
+        others_above = None if others is None else float(others["clearance_above"])
     with _reading(path, "metrics"):
         metrics = content.get("metrics") or {}
         arrival, kinetic = metrics.get("latest_arrival"), metrics.get("kinetic_over_straight")
@@ -111,6 +123,7 @@ def parse_report(content: Mapping[str, Any], path: Path) -> RecordedReport:
         versions=content.get("versions") or {},
         holds=holds,
         clearances=clearances,
+        others_above=others_above,
         latest_arrival=arrival,
         kinetic_over_straight=kinetic,
         costs=content.get("costs") or {},

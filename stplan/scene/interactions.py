@@ -62,6 +62,39 @@ class PairSettings:
         grouping[same] = 0.0
         return Interactions(collides, distance, weight, grouping)
 
+    def colliding(self) -> BoolArray:
+        """`Interactions.collides` of all agents, (A, A), without the rest."""
+        count = len(self._radii)
+        collides = np.ones((count, count), dtype=bool)
+        for left, right, rule in self._rules:
+            if rule.collide is not None:
+                collides[np.ix_(left, right)] = collides[np.ix_(right, left)] = rule.collide
+        careless = np.flatnonzero(self._weights <= 0)
+        collides[np.ix_(careless, careless)] = False
+        np.fill_diagonal(collides, False)
+        return collides
+
+    def distances(self, pairs: IntArray) -> FloatArray:
+        """`Interactions.distance` of `pairs` (P, 2) alone, (P,) in m."""
+        first, second = pairs.T
+        distance = self._radii[first] + self._radii[second]
+        for left, right, rule in self._rules:
+            if rule.distance is not None:
+                one, other = (np.zeros(len(self._radii), dtype=bool) for _ in range(2))
+                one[left] = other[right] = True
+                where = one[first] & other[second] | other[first] & one[second]
+                distance[where] = rule.distance
+        return distance
+
+    def half_distances(self) -> FloatArray:
+        """(A,) in m; no pair has to keep more than the sum of both."""
+        halves = self._radii.copy()
+        for left, right, rule in self._rules:
+            if rule.distance is not None:
+                members = np.union1d(left, right)
+                halves[members] = np.maximum(halves[members], 0.5 * rule.distance)
+        return halves
+
     def _places(self, chosen: IntArray) -> IntArray:
         """(A,) where each agent stands in `chosen`, -1 where it does not."""
         places = np.full(len(self._radii), -1, dtype=np.int64)

@@ -19,8 +19,8 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-# Metres, seconds, kilograms beyond this are a mistake of units; squares of them stay exact enough.
-LARGEST = 1e9
+from stplan.amounts import LARGEST
+
 # Lengths, masses and durations below this vanish beside any coordinate.
 SMALLEST = 1e-9
 LONGEST_IDENTIFIER = 100

@@ -33,13 +33,23 @@ def test_speed_of_every_segment() -> None:
     assert broken.violations == ("a: speed 2 m/s at t = 5.5 s; at most 1.9 m/s is allowed",)
 
 
+def even(lengths: list[float], times: list[float]) -> list[list[float]]:
+    """A curve along x."""
+    return [[x, 0, t] for x, t in zip(np.cumsum([0.0, *lengths]).tolist(), times, strict=True)]
+
+
 @pytest.mark.parametrize(
     ("curve", "greatest", "when"),
     [
         # From rest: the first segment's middle is half its duration away.
-        ([[0, 0, 0], [8, 0, 8]], 0.25, 0),
-        ([[0, 0, 0], [1, 0, 4], [7, 0, 6], [8, 0, 10]], 2.75 / 3, 4),
+        (even([1.0] * 8, np.arange(9.0).tolist()), 2.0, 0),
+        # Between two segments: over the time between their middles.
+        (even([0.25, 1.0, 1.0, 1.5, 2.0, 1.5, 0.5, 0.25], np.arange(9.0).tolist()), 1.0, 6),
+        (even([0.1, 0.4, 2.5, 2.5, 2.0, 0.4, 0.1], [0, 1, 2, 4, 5, 6, 7, 8]), 1.6, 6),
         ([[0, 0, 0], [7, 0, 9], [8, 0, 9.5]], 8.0, 9.5),
+        # Long segments hide nothing: over an eighth of the whole time at most.
+        ([[0, 0, 0], [8, 0, 8]], 1.0, 0),
+        ([[0, 0, 0], [1, 0, 4], [7, 0, 6], [8, 0, 10]], 2.75 / 1.25, 4),
     ],
 )
 def test_acceleration_from_rest_to_rest(curve, greatest, when) -> None:
@@ -49,6 +59,26 @@ def test_acceleration_from_rest_to_rest(curve, greatest, when) -> None:
     assert found.limits[0].time == when
     (sentence,) = check(f"max_acceleration: {0.99 * greatest}", curve).violations
     assert sentence.startswith("a: acceleration ")
+
+
+def test_an_acceleration_cannot_be_hidden_in_long_segments() -> None:
+    # From rest to rest, 8 m in 4 s take at least 4 * 8 / 4^2 = 2 m/s2, however few knots say so.
+    for knots in (2, 3, 5, 9, 41):
+        times = np.linspace(0.0, 4.0, knots)
+        speed = np.minimum(times[1:] + times[:-1], 8.0 - times[1:] - times[:-1])
+        way = np.concatenate([[0.0], np.cumsum(speed * np.diff(times))])
+        way *= 8.0 / way[-1]
+        curve = [[x, 0, t] for x, t in zip(way.tolist(), times.tolist(), strict=True)]
+        curve[-1][0] = 8
+        assert not check("max_acceleration: 1.95", curve).holds
+    # A jump of velocity between two long segments.
+    jump = [[0, 0, 0], [0.5, 0, 5], [8, 0, 10]]
+    assert not check("max_acceleration: 0.5", jump).holds
+    # So many knots as plans have are not judged more strictly than by the middles of their segments.
+    times = np.linspace(0.0, 10.0, 20)
+    smooth = 8.0 * (3.0 * (times / 10.0) ** 2 - 2.0 * (times / 10.0) ** 3)
+    curve = [[x, 0, t] for x, t in zip(smooth.tolist(), times.tolist(), strict=True)]
+    assert check("max_acceleration: 0.48", curve).limits[0].reached == pytest.approx(0.46, abs=0.02)
 
 
 STAY = [[0, 0, 0], [4, 0, 3], [4, 0, 6], [8, 0, 10]]

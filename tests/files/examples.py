@@ -58,7 +58,7 @@ def random_lines(agent_ids: Sequence[str], rng: np.random.Generator) -> WorldLin
     curves = []
     for _ in agent_ids:
         count = int(rng.integers(2, 7))
-        curve = rng.normal(size=(count, 3)) * 10.0 ** rng.integers(-12, 13, size=(count, 3))
+        curve = rng.normal(size=(count, 3)) * 10.0 ** rng.integers(-12, 9, size=(count, 3))
         curve[:, 2] = np.cumsum(rng.uniform(0.01, 1.0, size=count))
         curves.append(curve)
     return WorldLines.from_curves(agent_ids, curves)

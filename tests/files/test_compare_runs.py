@@ -69,6 +69,23 @@ def test_what_a_certificate_says_otherwise(tmp_path, verdict, sentences):
     assert not compare_runs(b, a).equal
 
 
+def test_pairs_that_large_reports_leave_out_are_further_apart_than_the_rest(tmp_path):
+    def large(pair, above):
+        verdict = report(pair=pair)
+        verdict["certificate"]["pairs"]["others"] = {"pairs": 9, "clearance_above": above}
+        return verdict
+
+    a = write(tmp_path / "a", large(0.125, 0.3))
+    # Left out, it may still be what it was.
+    b = write(tmp_path / "b", large(None, 0.125))
+    assert compare_runs(a, b).equal
+    assert compare_runs(b, a).equal
+    # Left out, it must have grown.
+    (tmp_path / "b" / "report.json").write_bytes(json_bytes(large(None, 0.25)))
+    assert compare_runs(a, b).lines() == ["clearance of sam and ann: 0.125 m -> 0.25 m"]
+    assert not compare_runs(b, a).equal
+
+
 def test_clearances_may_change_as_much_as_the_agents_moved(tmp_path):
     a, b = write(tmp_path / "a", report()), write(tmp_path / "b", report(pair=0.12), moved=0.01)
     assert compare_runs(a, b, atol=0.02).equal

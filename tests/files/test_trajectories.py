@@ -20,8 +20,8 @@ from tests.files.examples import random_lines, scene_of, straight_lines
 
 IDS = ["a", 'b,"é', "line\nfeed", " c ", "0"]
 
-finite = st.floats(allow_nan=False, allow_infinity=False)
-curves = st.lists(st.tuples(finite, finite, finite), min_size=2, max_size=5)
+allowed = st.floats(-1e9, 1e9)
+curves = st.lists(st.tuples(allowed, allowed, allowed), min_size=2, max_size=5)
 
 
 def _assert_same(a: WorldLines, b: WorldLines) -> None:
@@ -137,6 +137,8 @@ HEAD = "agent,knot,x,y,t\na,0,0,0,0\na,1,1,1,1\n"
         (HEAD + "a,2,1,1,1e999\n", "t.csv:4: t is '1e999'"),
         (HEAD + "a,2,1_0,1,2\n", "t.csv:4: x is '1_0'"),
         (HEAD + "a,2,,1,2\n", "t.csv:4: x is ''"),
+        (HEAD + "a,2,1e17,1,2\n", "t.csv:4: x is '1e17'; expected no number beyond 1e+09"),
+        (HEAD + "a,2,1,1,-1000000000.1\n", "t.csv:4: t is '-1000000000.1'; expected no"),
         (HEAD + ",0,1,1,2\n", "t.csv:4: the agent has no id"),
         (HEAD + "b,0,1,1,2\n", "t.csv:4: agent 'b' has one knot; at least 2 are needed"),
         (HEAD + "b,0,1,1,2\nc,0,1,1,2\n", "t.csv:5: agent 'b' has one knot"),
@@ -186,6 +188,7 @@ def test_a_foreign_npz_needs_the_curves_only(tmp_path):
         ({"offsets": np.array([0, 3, 4]), "knots": np.zeros((4, 3))}, "offsets: every agent"),
         ({"knots": np.zeros((4, 2))}, "knots: expected numbers of shape"),
         ({"knots": np.full((4, 3), np.nan)}, r"knots: the number at \(0, 0\) is not finite"),
+        ({"knots": np.full((4, 3), -2e9)}, r"knots: the number at \(0, 0\) is beyond 1e\+09"),
         ({"radii": np.ones(3)}, r"radii: expected numbers of shape \(2,\)"),
     ],
 )
