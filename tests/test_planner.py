@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +13,15 @@ from stplan.certify.certificate import certify
 from stplan.clock import Clock
 from stplan.errors import BrokenSeedError, SolverError, StoppedError
 from stplan.multistart import best_seed
-from stplan.planner import check, find_initial_curves, plan, plan_files, prepare, seed
+from stplan.planner import (
+    check,
+    find_initial_curves,
+    plan,
+    plan_files,
+    prepare,
+    seed,
+    write_plan,
+)
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.model import Scene, Visit
 from stplan.status import Status
@@ -121,6 +130,15 @@ def test_options_that_ipopt_does_not_know_are_refused_before_any_work(command, m
 def test_files_of_a_seed_lack_trajectories() -> None:
     names = set(plan_files(seed(circle(3, 3.0, 12.0))))
     assert names == {"seed.csv", "seed.npz", "report.json", "run.json"}
+
+
+def test_no_handler_of_a_signal_is_touched(tmp_path, monkeypatch) -> None:
+    def refuse(*arguments):
+        raise AssertionError("the library installs a handler")
+
+    monkeypatch.setattr(signal, "signal", refuse)
+    write_plan(plan(circle(3, 3.0, 12.0)), tmp_path / "run")
+    assert (tmp_path / "run" / "run.json").exists()
 
 
 def test_stages_add_up() -> None:

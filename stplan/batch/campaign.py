@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import json
-import signal
-import threading
-from collections.abc import Generator, Iterator, Sequence
-from contextlib import closing, contextmanager, suppress
+from collections.abc import Generator, Sequence
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from types import FrameType
 from typing import Protocol
 
 from stplan.batch.events import GO_ON, Event, Finished, Progress, Started, Stop
@@ -64,17 +61,20 @@ class Watcher(Protocol):
         """A run is over and its files are written, or it was found done."""
 
 
-def run_batch(runs: Sequence[Run], settings: Settings, watcher: Watcher) -> Batch:
+def run_batch(
+    runs: Sequence[Run], settings: Settings, watcher: Watcher, stop: Stop | None = None
+) -> Batch:
     """Bring every run to its end and write the summaries.
 
-    SIGINT and SIGTERM end the batch politely: the runs at work give their best so far, the others
-    are "not run". A second one ends it at once. Whatever happens, files that were written are
+    Asked to `stop`, the batch ends politely: the runs at work give their best so far, the others
+    are "not run". Asked again, it ends at once. Whatever happens, files that were written are
     whole, and the same call goes on from there.
 
     Raises:
         UsageError: the folder cannot be written, or no worker can be had.
     """
-    with locked(settings.output), _answering_signals() as stop:
+    stop = stop or Stop()
+    with locked(settings.output):
         results: dict[str, Result] = {}
         _clean(settings.output)
         watcher.begin(len(runs))
@@ -185,23 +185,3 @@ def _written(run: Run, folder: Path, outcome: Outcome) -> Result:
     report = parse_report(json.loads(outcome.files[REPORT]), folder / REPORT)
     times = parse_times(json.loads(outcome.files[RUN_RECORD]), folder / RUN_RECORD)
     return Result(run, folder, outcome.state, messages, report, times, times.total)
-
-
-@contextmanager
-def _answering_signals() -> Iterator[Stop]:
-    """Within, SIGINT and SIGTERM ask the batch to stop."""
-    stop = Stop()
-    if threading.current_thread() is not threading.main_thread():
-        yield stop
-        return
-
-    def ask(number: int, frame: FrameType | None) -> None:
-        del number, frame
-        stop.ask()
-
-    before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield stop
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -1,17 +1,28 @@
-"""The command that plans many scenes: arguments and help only."""
+"""The command that plans many scenes."""
 
 from __future__ import annotations
 
+import math
+import os
+import sys
+from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from stplan.cli.commands import run_batch
-from stplan.cli.options import Json, Overrides, Quiet, Verbose, serve
+from stplan.cli.command import command, group
+from stplan.cli.console import Console, worst, write
+from stplan.cli.options import Overrides
+from stplan.cli.signals import answered_by
+from stplan.errors import UsageError
 
-app = typer.Typer(rich_markup_mode=None)
+if TYPE_CHECKING:
+    from stplan.batch.campaign import Settings
+    from stplan.batch.runs import Run
+
+app = group()
 
 
 class OutputFormat(StrEnum):
@@ -23,8 +34,9 @@ class OutputFormat(StrEnum):
     GITHUB = "github"
 
 
-@app.command()
+@command(app)
 def batch(
+    console: Console,
     scenes: Annotated[
         list[str],
         typer.Argument(metavar="SCENES", help="Scene files, folders of them, or glob patterns."),
@@ -80,10 +92,7 @@ def batch(
     output_format: Annotated[
         OutputFormat, typer.Option("--output-format", help="What is printed on stdout at the end.")
     ] = OutputFormat.TEXT,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-    as_json: Json = False,
-) -> None:
+) -> int:
     """Plan many scenes in parallel, leaving out what is done.
 
     A run is done when its files are whole and were planned from the same scene, mesh and
@@ -99,12 +108,74 @@ def batch(
       stplan batch scenes --timeout 300 --output-format junit > junit.xml
       stplan batch scenes --dask tcp://10.0.0.1:8786
     """
-    serve(
-        quiet, verbose, as_json or output_format is OutputFormat.JSON,
-        lambda console: run_batch(
-            console, scenes, output=output, overrides=overrides or [], sweeps=sweeps or [],
-            filters=filters or [], jobs=jobs, timeout=timeout, retries=retries,
-            fail_fast=fail_fast, force=force, dask=dask, dry_run=dry_run,
-            output_format=output_format,
-        ),
-    )  # fmt: skip
+    console.as_json |= output_format is OutputFormat.JSON
+    if timeout is not None and not (math.isfinite(timeout) and timeout > 0):
+        raise UsageError(f"--timeout is {timeout}; expected a number of seconds above 0")
+    from stplan.batch.campaign import Settings, run_batch
+    from stplan.batch.events import Stop
+    from stplan.batch.formats import github, junit
+    from stplan.batch.runs import list_runs
+    from stplan.batch.summary import SUMMARIES, summary
+    from stplan.batch.watchers import LineWatcher, live_table
+
+    runs = list_runs(
+        scenes, output=output, overrides=overrides or [], sweeps=sweeps or [], filters=filters or []
+    )
+    settings = Settings(
+        output,
+        jobs or usable_cores(),
+        timeout,
+        retries,
+        fail_fast=fail_fast,
+        force=force,
+        dask=dask,
+    )
+    if dry_run:
+        return _preview(console, runs, settings)
+    stop = Stop()
+    with answered_by(stop.ask):
+        if sys.stderr.isatty() and not (console.quiet or console.verbose):
+            with live_table() as table:
+                done = run_batch(runs, settings, table, stop)
+            console.error(*(line for result in done.results for line in result.complaints))
+        else:
+            watcher = LineWatcher(console.progress, console.error, console.verbose)
+            done = run_batch(runs, settings, watcher, stop)
+    status = worst(done.exit_statuses)
+    console.result_json({"exit_status": status, **summary(done)})
+    if output_format == OutputFormat.JUNIT:
+        write(sys.stdout, junit(done))
+    elif output_format == OutputFormat.GITHUB:
+        write(sys.stdout, github(done))
+    else:
+        console.result(done.sentence, f"  {output}{os.sep}: {' '.join(SUMMARIES)}")
+    return status
+
+
+def usable_cores() -> int:
+    """Cores that this process may use; a scheduler may have given it fewer than there are."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _preview(console: Console, runs: Sequence[Run], settings: Settings) -> int:
+    """Say what a batch would do."""
+    from stplan.batch.folder import found
+
+    records: list[dict[str, Any]] = []
+    for run in runs:
+        what, why = "refused", "; ".join(run.refusal)
+        if not run.refusal:
+            why = "--force" if settings.force else found(run, settings.output / run.name).missing
+            what = "plan" if why else "done"
+        records.append(
+            {
+                "run": run.name, "scene": str(run.source), "overrides": list(run.overrides),
+                "hash": run.content_hash or None, "action": what, "reason": why or None,
+            }
+        )  # fmt: skip
+        console.result(f"{what:7}  {run.name}" + (f": {why}" if why else ""))
+    status = 2 if any(run.refusal for run in runs) else 0
+    console.result_json({"exit_status": status, "runs": records})
+    return status

@@ -1,40 +1,34 @@
-"""The command line of the benchmarks: arguments and help. What they do is `bench_commands`."""
+"""The commands that measure the planner.
+
+Every benchmark writes NAME.csv, NAME.md (what it prints) and, where there is something to see, NAME.png.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from stplan.cli.bench_commands import (
-    bench_all,
-    bench_batch,
-    bench_comparison,
-    bench_convergence,
-    bench_figures,
-    bench_rival,
-    bench_seeding,
-    bench_sweep,
-)
-from stplan.cli.options import Quiet, Verbose, serve
+from stplan.cli.command import command, group
+from stplan.cli.console import Console
 
 Output = Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Results go to DIR.")]
 Full = Annotated[bool, typer.Option("--full", help="All sizes, scenes and draws: for the record.")]
 TimeLimit = Annotated[float | None, typer.Option(min=0.1, help="Seconds a run may take.")]
 
 FOLDER = Path("outputs/bench")
+_NO_JSON = ("as_json",)
 
-
-app = typer.Typer(
-    name="bench",
-    help="Measure the planner on generated scenes.",
-    no_args_is_help=True,
-    rich_markup_mode=None,
+benchmarks = group(
+    name="bench", help="Measure the planner on generated scenes.", no_args_is_help=True
 )
+app = group()
+app.add_typer(benchmarks)
 
 
-@app.callback()
+@benchmarks.callback()
 def _benchmarks() -> None:
     """Measure the planner on generated scenes.
 
@@ -43,11 +37,8 @@ def _benchmarks() -> None:
     """
 
 
-@app.command("all")
-def everything(
-    *, output: Output = FOLDER, full: Full = False, quiet: Quiet = False,
-    verbose: Verbose = False,
-) -> None:  # fmt: skip
+@command(benchmarks, "all", without=_NO_JSON)
+def everything(console: Console, *, output: Output = FOLDER, full: Full = False) -> int:
     """Run every benchmark, and describe the machine.
 
     \b
@@ -55,20 +46,35 @@ def everything(
       stplan bench all
       stplan bench all --full -o outputs/bench
     """
-    serve(quiet, verbose, False, lambda console: bench_all(console, output, full=full))
+    from stplan.bench.convergence import shipped_scenes
+    from stplan.bench.machine import description
+    from stplan.bench.plots import require_matplotlib
+    from stplan.bench.rival import require_casadi
+    from stplan.bench.scaling import SWEEPS
+
+    # What is missing is said before anything is measured.
+    require_matplotlib()
+    require_casadi()
+    shipped_scenes([], full=full)
+    _finish(console, output, {"machine.md": description().encode()})
+    figures(console, output=output, full=full)
+    for name in SWEEPS:
+        _sweep(console, name, output=output, full=full)
+    rival(console, output=output, full=full)
+    seeding(console, output=output, full=full)
+    return convergence(console, output=output, full=full)
 
 
-@app.command()
+@command(benchmarks, without=_NO_JSON)
 def comparison(
+    console: Console,
     *,
     output: Output = FOLDER,
     scenes: Annotated[
         Path, typer.Option(metavar="DIR", help="Where the scenes of the comparison are.")
     ] = Path("scenes/comparison"),
     only: Annotated[str, typer.Option(metavar="A,B", help="Only these scenes.")] = "",
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-) -> None:
+) -> int:
     """Set the planner beside its rivals, as fast as agents can go.
 
     Writes comparison.csv and comparison.md: makespans, accelerations and clearances of this
@@ -80,23 +86,26 @@ def comparison(
       stplan bench comparison
       stplan bench comparison --only gap,lane -o outputs/bench
     """
-    serve(
-        quiet, verbose, False,
-        lambda console: bench_comparison(console, output, scenes, only.split(",")),
-    )  # fmt: skip
+    from stplan.bench import comparison, comparison_table
+
+    outcomes = comparison.compare_planners(scenes, _names(only), progress=console.progress)
+    contents = {
+        "comparison.csv": comparison_table.csv_text(outcomes).encode(),
+        "comparison.md": comparison_table.markdown_text(outcomes).encode(),
+    }
+    return _finish(console, output, contents)
 
 
-@app.command()
+@command(benchmarks, without=_NO_JSON)
 def figures(
+    console: Console,
     *,
     output: Output = FOLDER,
     only: Annotated[
         str, typer.Option(metavar="A,B", help="Only these figures or kinds of them.")
     ] = "",
     full: Full = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-) -> None:
+) -> int:
     """Whole plans beside what is asked of them.
 
     Time, cost, clearance and memory of planning generated scenes, beside what is asked of them.
@@ -107,17 +116,15 @@ def figures(
       stplan bench figures --only circle-35,flows
       stplan bench figures --full -o outputs/bench
     """
-    serve(
-        quiet, verbose, False,
-        lambda console: bench_figures(console, output, only.split(","), full=full),
-    )  # fmt: skip
+    from stplan.bench import figures, figures_table
+
+    chosen = figures.chosen_cases(_names(only), full=full)
+    measured = figures.measure(chosen, progress=console.progress)
+    return _finish(console, output, figures_table.files(chosen, measured))
 
 
-@app.command()
-def agents(
-    *, output: Output = FOLDER, full: Full = False, quiet: Quiet = False,
-    verbose: Verbose = False,
-) -> None:  # fmt: skip
+@command(benchmarks, without=_NO_JSON)
+def agents(console: Console, *, output: Output = FOLDER, full: Full = False) -> int:
     """Time of an iteration over agents.
 
     Flows of random agents cross, at constant density.
@@ -126,34 +133,22 @@ def agents(
     Example:
       stplan bench agents --full
     """
-    serve(
-        quiet, verbose, False,
-        lambda console: bench_sweep(console, output, "agents", full=full),
-    )  # fmt: skip
+    return _sweep(console, "agents", output=output, full=full)
 
 
-@app.command()
-def knots(
-    *, output: Output = FOLDER, full: Full = False, quiet: Quiet = False,
-    verbose: Verbose = False,
-) -> None:  # fmt: skip
+@command(benchmarks, without=_NO_JSON)
+def knots(console: Console, *, output: Output = FOLDER, full: Full = False) -> int:
     """Time of an iteration over knots per agent.
 
     \b
     Example:
       stplan bench knots --full
     """
-    serve(
-        quiet, verbose, False,
-        lambda console: bench_sweep(console, output, "knots", full=full),
-    )  # fmt: skip
+    return _sweep(console, "knots", output=output, full=full)
 
 
-@app.command()
-def walls(
-    *, output: Output = FOLDER, full: Full = False, quiet: Quiet = False,
-    verbose: Verbose = False,
-) -> None:  # fmt: skip
+@command(benchmarks, without=_NO_JSON)
+def walls(console: Console, *, output: Output = FOLDER, full: Full = False) -> int:
     """Time of an iteration over edges of walls.
 
     Three agents in a maze between hedges that are drawn more and more finely.
@@ -162,14 +157,12 @@ def walls(
     Example:
       stplan bench walls --full
     """
-    serve(
-        quiet, verbose, False,
-        lambda console: bench_sweep(console, output, "walls", full=full),
-    )  # fmt: skip
+    return _sweep(console, "walls", output=output, full=full)
 
 
-@app.command()
+@command(benchmarks, without=_NO_JSON)
 def convergence(
+    console: Console,
     scenes: Annotated[
         list[Path] | None,
         typer.Argument(
@@ -184,9 +177,7 @@ def convergence(
     ] = "",
     time_limit: TimeLimit = None,
     full: Full = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-) -> None:
+) -> int:
     """Variants of the optimiser on whole scenes.
 
     Iterations and time to 1 % and 0.1 % of the best cost, clearance, failures.
@@ -196,19 +187,23 @@ def convergence(
       stplan bench convergence
       stplan bench convergence scenes/tight/door.yaml --variants default,exact
     """
-    serve(
-        quiet, verbose, False,
-        lambda console: bench_convergence(
-            console, output, scenes or [], variants.split(","), time_limit, full=full
-        ),
-    )  # fmt: skip
+    from stplan.bench import convergence, convergence_table
+    from stplan.bench.plots import require_matplotlib
+
+    require_matplotlib()
+    outcomes = convergence.measure(
+        convergence.shipped_scenes(scenes or [], full=full),
+        time_limit or (convergence.FULL_SECONDS if full else convergence.SMALL_SECONDS),
+        convergence.chosen_variants(_names(variants)),
+        progress=console.progress,
+    )
+    return _finish(console, output, convergence_table.files(outcomes))
 
 
-@app.command()
+@command(benchmarks, without=_NO_JSON)
 def rival(
-    *, output: Output = FOLDER, time_limit: TimeLimit = None, full: Full = False,
-    quiet: Quiet = False, verbose: Verbose = False,
-) -> None:  # fmt: skip
+    console: Console, *, output: Output = FOLDER, time_limit: TimeLimit = None, full: Full = False
+) -> int:
     """Against CasADi and Ipopt on a common time grid.
 
     The rival's distances are enlarged until its result is clear at every instant.
@@ -217,31 +212,42 @@ def rival(
     Example:
       stplan bench rival --full
     """
-    serve(
-        quiet, verbose, False,
-        lambda console: bench_rival(console, output, time_limit, full=full),
-    )  # fmt: skip
+    from stplan.bench import rival, rival_table
+    from stplan.bench.plots import require_matplotlib
+
+    require_matplotlib()
+    rival.require_casadi()
+    duels = rival.measure(
+        rival.SIZES if full else rival.SMALL_SIZES,
+        rival.FULL_DRAWS if full else 1,
+        time_limit or (rival.FULL_SECONDS if full else rival.SMALL_SECONDS),
+        progress=console.progress,
+    )
+    return _finish(console, output, rival_table.files(duels))
 
 
-@app.command()
+@command(benchmarks, without=_NO_JSON)
 def batch(
+    console: Console,
     *,
     output: Output = FOLDER,
     runs: Annotated[int, typer.Option(min=2, help="Runs a batch.")] = 100,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-) -> None:
+) -> int:
     """Measure what a batch costs beyond planning, with one job and with two.
 
     \b
     Example:
       stplan bench batch
     """
-    serve(quiet, verbose, False, lambda console: bench_batch(console, output, runs))
+    from stplan.bench import batches
+
+    measured = batches.measure(runs, (1, 2), progress=console.progress)
+    return _finish(console, output, batches.files(measured))
 
 
-@app.command()
+@command(benchmarks, without=_NO_JSON)
 def seeding(
+    console: Console,
     *,
     output: Output = FOLDER,
     draws: Annotated[
@@ -258,9 +264,7 @@ def seeding(
         ),
     ] = None,
     full: Full = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-) -> None:
+) -> int:
     """How often and how fast seeds are found.
 
     Writes seeding.csv, a row a draw, and seeding.md, a row a family.
@@ -271,9 +275,40 @@ def seeding(
       stplan bench seeding --families door,circle --draws 5
       stplan bench seeding --full -o outputs/bench
     """
-    serve(
-        quiet, verbose, False,
-        lambda console: bench_seeding(
-            console, output, draws, families.split(","), time_limit, full=full
-        ),
-    )  # fmt: skip
+    from stplan.bench import seeding, seeding_table
+
+    measurements = seeding.measure(
+        seeding.chosen_families(_names(families), full=full),
+        draws or (seeding.FULL_DRAWS if full else seeding.SMALL_DRAWS),
+        time_limit or (seeding.FULL_LIMIT if full else seeding.SMALL_LIMIT),
+        progress=console.progress,
+    )
+    return _finish(console, output, seeding_table.files(measurements))
+
+
+def _sweep(console: Console, name: str, *, output: Path, full: bool) -> int:
+    """Measure how the time of an iteration grows in one direction."""
+    from stplan.bench import scaling, scaling_table
+    from stplan.bench.plots import require_matplotlib
+
+    require_matplotlib()
+    sweep = scaling.SWEEPS[name]
+    points = scaling.measure(sweep, full=full, progress=console.progress)
+    return _finish(console, output, scaling_table.files(sweep, points))
+
+
+def _finish(console: Console, output: Path, contents: Mapping[str, bytes]) -> int:
+    """Write the files of a benchmark and print its table."""
+    from stplan.files.atomic import write_set
+
+    files = write_set(output, contents)
+    console.progress(f"wrote {', '.join(map(str, files))}")
+    for name, content in contents.items():
+        if name.endswith(".md"):
+            console.result(content.decode().rstrip())
+    return 0
+
+
+def _names(text: str) -> list[str]:
+    """The names in `A,B`."""
+    return [name.strip() for name in text.split(",") if name.strip()]

@@ -10,7 +10,6 @@ import time
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
 from stplan.errors import UsageError, as_stplan_error
@@ -20,8 +19,6 @@ if TYPE_CHECKING:
     from rich.console import Console as Terminal
     from rich.live import Live
     from rich.text import Text
-
-    from stplan.planner import Plan
 
 # The worst of several scenes is the command's: a bug, a broken command line or scene, ...
 _WORST_FIRST = (5, 130, 2, 3, 4, 1, 0)
@@ -148,8 +145,6 @@ def failure(error: BaseException) -> tuple[int, list[str]]:
     known = as_stplan_error(error)
     if known is not None:
         return known.exit_status, str(known).splitlines() or [type(known).__name__]
-    if isinstance(error, KeyboardInterrupt):
-        return 130, ["interrupted before there was a result; nothing was written"]
     what = " ".join(f"{type(error).__name__}: {error}".split())
     return 5, [f"internal error: {what}; {_save_traceback(error)}"]
 
@@ -165,31 +160,10 @@ def _save_traceback(error: BaseException) -> str:
     return f"traceback saved to {name}"
 
 
-def plan_lines(plan: Plan, files: list[Path], verbose: bool) -> list[str]:
-    """A plan in a few lines."""
-    metrics = plan.report.get("metrics", {})
-    lines = [f"{plan.scene.name}: {plan.status}", f"  {plan.certificate.summary}"]
-    ratio, arrival = metrics.get("kinetic_over_straight"), metrics.get("latest_arrival")
-    figures = []
-    if ratio is not None:
-        figures.append(f"kinetic cost {ratio:.4f} times the straight lines'")
-    if arrival is not None:
-        figures.append(f"latest arrival {arrival:.2f} s")
-    if figures:
-        lines.append("  " + ", ".join(figures))
-    if verbose:
-        lines += [_agent_line(row) for row in metrics.get("agents", [])]
-        seconds = plan.run.get("seconds", {})
-        spent = ", ".join(f"{name} {amount:.2f} s" for name, amount in seconds.items())
-        lines += [f"  {spent}"] if spent else []
-    if files:
-        names = " ".join(path.name for path in files)
-        lines.append(f"  {files[0].parent}{os.sep}: {names}")
-    return lines
-
-
-def _agent_line(row: dict[str, Any]) -> str:
-    return (
-        f"  {row['agent']}: arrives {row['arrival_time']:.2f} s, "
-        f"path {row['path_length']:.2f} m, fastest {row['greatest_speed']:.2f} m/s"
-    )
+def note_failure(
+    console: Console, record: dict[str, Any], error: BaseException, prefix: str = ""
+) -> None:
+    """Say what an exception means for one of several things that a command does, and note it."""
+    status, messages = failure(error)
+    console.error(*(prefix + message for message in messages))
+    record |= {"exit_status": status, "status": "error", "messages": messages}

@@ -1,16 +1,22 @@
-"""The commands that show runs: plot, animate, view, export. Arguments and help only."""
+"""The commands that show runs: plot, animate, view and export."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stplan.cli.options import Json, Quiet, Verbose, serve
-from stplan.cli.viewing_commands import animate_runs, export_run, plot_run, view_run
+from stplan.cli.command import command, group
+from stplan.cli.console import Console
+from stplan.errors import UsageError
 
-app = typer.Typer(rich_markup_mode=None)
+if TYPE_CHECKING:
+    from stplan.viewing.run_view import RunView
+
+app = group()
 
 RunPath = Annotated[
     Path, typer.Argument(metavar="RUN", help="Folder of a run, or a .npz or .csv in it.")
@@ -24,9 +30,12 @@ SceneOfRun = Annotated[
     typer.Option("--scene", metavar="SCENE", help="The scene, where the run's own is lost."),
 ]
 
+_EXPORTS = {"glb": "rods.glb", "jupedsim": "jupedsim.txt"}
 
-@app.command()
+
+@command(app)
 def plot(
+    console: Console,
     run: RunPath,
     *,
     output: Picture = None,
@@ -36,10 +45,7 @@ def plot(
     seed: Annotated[bool, typer.Option("--seed", help="Draw the initial curves too.")] = False,
     dpi: Annotated[float, typer.Option(help="Pixels an inch.")] = 150.0,
     scene: SceneOfRun = None,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-    as_json: Json = False,
-) -> None:
+) -> int:
     """Draw a run.
 
     Its map, clearance and speed over time, and its rods in space and time. PNG, SVG or PDF by the
@@ -50,16 +56,28 @@ def plot(
       stplan plot outputs/bottleneck
       stplan plot outputs/bottleneck --seed --show map -o bottleneck.svg
     """
-    serve(
-        quiet, verbose, as_json,
-        lambda console: plot_run(
-            console, run, output, scene, show.split(","), seed=seed, dpi=dpi
-        ),
-    )  # fmt: skip
+    from stplan.viewing.requirements import require
+
+    require("matplotlib", "stplan plot")
+    from stplan.viewing.figure import FORMATS, PARTS, figure_bytes
+
+    parts = show.split(",")
+    unknown = [part for part in parts if part not in PARTS]
+    if unknown:
+        raise UsageError(f"--show: {unknown[0]!r} is none of {', '.join(PARTS)}")
+    _check_positive("--dpi", dpi, most=1200)
+    target = output or _beside(run, "plot.png")
+    kind = _kind(target, FORMATS)
+    (view,) = _open(console, [run], scene)
+    if seed and view.seed is None:
+        console.progress(f"note: {run} holds no initial curves to draw behind its trajectories")
+    content = figure_bytes(view, kind, parts=tuple(parts), seed=seed, dpi=dpi)
+    return _written(console, target, content)
 
 
-@app.command()
+@command(app)
 def animate(
+    console: Console,
     runs: Annotated[
         list[Path],
         typer.Argument(metavar="RUN...", help="Folders of runs, or .npz or .csv files in them."),
@@ -77,10 +95,7 @@ def animate(
         str, typer.Option(metavar="WIDTH[xHEIGHT]", help="Pixels; the height follows the map.")
     ] = "960",
     scene: SceneOfRun = None,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-    as_json: Json = False,
-) -> None:
+) -> int:
     """Make a movie of a run, or of several side by side.
 
     MP4, GIF or WebP by the name of FILE; RUN/movie.mp4 unless told.
@@ -91,24 +106,39 @@ def animate(
       stplan animate outputs/bottleneck/seed.npz outputs/bottleneck -o both.webp
       stplan animate outputs/bottleneck --speed 2 --fps 20 --size 1280x720 -o talk.gif
     """
-    serve(
-        quiet, verbose, as_json,
-        lambda console: animate_runs(
-            console, runs, output, scene, fps=fps, speed=speed, size=size
-        ),
-    )  # fmt: skip
+    from stplan.viewing.requirements import require
+
+    require("matplotlib", "stplan animate")
+    from stplan.viewing.movie import FORMATS, movie_bytes
+
+    _check_positive("--fps", fps)
+    if speed is not None:
+        _check_positive("--speed", speed)
+    pixels = _size(size)
+    target = output or _beside(runs[0], "movie.mp4")
+    kind = _kind(target, FORMATS)
+    if kind == "mp4":
+        require("imageio_ffmpeg", "an MP4 movie")
+    views = _open(console, runs, scene)
+    titles = [view.title for view in views]
+    if len(set(titles)) < len(titles):
+        titles = [str(run) for run in runs]
+    with console.live_line() as live:
+        content = movie_bytes(
+            views, titles, kind, fps=fps, speed=speed, size=pixels,
+            progress=lambda line: live(lambda: line) if live else None,
+        )  # fmt: skip
+    return _written(console, target, content)
 
 
-@app.command()
+@command(app)
 def view(
+    console: Console,
     run: RunPath,
     *,
     output: Picture = None,
     scene: SceneOfRun = None,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-    as_json: Json = False,
-) -> None:
+) -> int:
     """Write an interactive page of a run.
 
     One HTML file that needs no network: the map with playback, the rods in space and time, every
@@ -118,11 +148,17 @@ def view(
     Example:
       stplan view outputs/bottleneck
     """
-    serve(quiet, verbose, as_json, lambda console: view_run(console, run, output, scene))
+    from stplan.viewing.page import page_bytes
+
+    target = output or _beside(run, "view.html")
+    _kind(target, ("html",))
+    (view,) = _open(console, [run], scene)
+    return _written(console, target, page_bytes(view))
 
 
-@app.command()
+@command(app)
 def export(
+    console: Console,
     run: RunPath,
     *,
     form: Annotated[
@@ -135,10 +171,7 @@ def export(
         typer.Option(help="Height of a second in a GLB, m.  [default: the scene's time_scale]"),
     ] = None,
     scene: SceneOfRun = None,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-    as_json: Json = False,
-) -> None:
+) -> int:
     """Write a run for other programs.
 
     glb: rods and walls for Blender and other 3D programs. jupedsim: trajectory text for PedPy and
@@ -149,7 +182,65 @@ def export(
       stplan export outputs/bottleneck
       stplan export outputs/bottleneck --format jupedsim --fps 10 -o bottleneck.txt
     """
-    serve(
-        quiet, verbose, as_json,
-        lambda console: export_run(console, run, output, scene, form=form, fps=fps, pace=pace),
-    )  # fmt: skip
+    if form not in _EXPORTS:
+        raise UsageError(f"--format: {form!r} is none of {', '.join(_EXPORTS)}")
+    _check_positive("--fps", fps)
+    if pace is not None:
+        _check_positive("--pace", pace)
+    target = output or _beside(run, _EXPORTS[form])
+    (view,) = _open(console, [run], scene)
+    if form == "glb":
+        from stplan.viewing.glb_file import glb_bytes
+
+        return _written(console, target, glb_bytes(view, pace))
+    from stplan.viewing.jupedsim_file import jupedsim_bytes
+
+    return _written(console, target, jupedsim_bytes(view, fps))
+
+
+def _open(console: Console, runs: Sequence[Path], scene: Path | None) -> list[RunView]:
+    from stplan.viewing.run_view import open_run
+
+    views = [open_run(run, scene) for run in runs]
+    for note in dict.fromkeys(note for view in views for note in view.notes):
+        console.progress(f"note: {note}")
+    return views
+
+
+def _beside(run: Path, name: str) -> Path:
+    """Where a file goes unless told: into the run's folder; of initial curves by their name."""
+    if run.is_dir():
+        return run / name
+    return run.parent / (f"seed-{name}" if run.stem == "seed" else name)
+
+
+def _kind(target: Path, known: Sequence[str]) -> str:
+    kind = target.suffix.lower().removeprefix(".")
+    if kind not in known:
+        raise UsageError(f"{target}: expected a name ending in .{', .'.join(known)}")
+    return kind
+
+
+def _check_positive(option: str, value: float, most: float = math.inf) -> None:
+    if not (math.isfinite(value) and 0 < value <= most):
+        limit = f", at most {most:g}" if math.isfinite(most) else ""
+        raise UsageError(f"{option} is {value}; expected a number above 0{limit}")
+
+
+def _size(text: str) -> tuple[int, int | None]:
+    """`WIDTH` or `WIDTHxHEIGHT` in pixels."""
+    width, _, height = text.lower().partition("x")
+    fits = all(part.isascii() and part.isdigit() and 64 <= int(part) <= 8192
+               for part in (width, height or "64"))  # fmt: skip
+    if not fits or text.lower().endswith("x"):
+        raise UsageError(f"--size is {text}; expected WIDTH or WIDTHxHEIGHT, 64 to 8192 pixels")
+    return int(width), int(height) if height else None
+
+
+def _written(console: Console, target: Path, content: bytes) -> int:
+    from stplan.files.atomic import write_atomically
+
+    write_atomically(target, content)
+    console.result(str(target))
+    console.result_json({"exit_status": 0, "file": str(target), "bytes": len(content)})
+    return 0

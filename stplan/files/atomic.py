@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import os
 import secrets
-import signal
-import threading
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
-from types import FrameType
 
 from stplan.errors import UsageError
 
@@ -42,9 +39,7 @@ def write_set(folder: Path, contents: Mapping[str, bytes]) -> list[Path]:
             beside = folder / f".{name}.{os.getpid()}-{secrets.token_hex(6)}{_UNFINISHED}"
             waiting[target] = beside
             _write_flushed(beside, content)
-        with uninterrupted():
-            for target, beside in waiting.items():
-                os.replace(beside, target)
+        _rename(waiting)
         _flush_folder(folder)
     except BaseException as error:
         for beside in waiting.values():
@@ -66,26 +61,16 @@ def remove_unfinished(folder: Path) -> None:
         path.unlink(missing_ok=True)
 
 
-@contextmanager
-def uninterrupted() -> Iterator[None]:
-    """Within, SIGINT and SIGTERM wait; they are answered at the end."""
-    held: list[int] = []
-    if threading.current_thread() is not threading.main_thread():
-        yield  # Python answers signals in the main thread only.
-        return
-
-    def hold(number: int, frame: FrameType | None) -> None:
-        del frame
-        held.append(number)
-
-    before = {number: signal.signal(number, hold) for number in (signal.SIGINT, signal.SIGTERM)}
+def _rename(waiting: Mapping[Path, Path]) -> None:
+    """Give every file its name; interrupted between two names it gives the others theirs first."""
     try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-        for late in held:
-            signal.raise_signal(late)
+        for target, beside in waiting.items():
+            os.replace(beside, target)
+    except KeyboardInterrupt:
+        for target, beside in waiting.items():
+            if beside.exists():
+                os.replace(beside, target)
+        raise
 
 
 def _make_folder(folder: Path, made: list[Path]) -> None:

@@ -21,7 +21,7 @@ import pytest
 
 from stplan.files.atomic import write_set
 from stplan.files.json_file import json_bytes
-from stplan.files.manifest import manifest, why_incomplete
+from stplan.files.manifest import broken_seal, seal
 from tests.batch.conftest import (
     COMMAND,
     ENDLESS,
@@ -65,17 +65,34 @@ def ended(process: subprocess.Popen[str]) -> Ended:
 
 
 def workers_of(process: subprocess.Popen[str], at_least: int = 0) -> list[int]:
-    """The processes in which a batch plans; a newborn takes a moment to become known as such."""
-    until = time.monotonic() + 60
-    while True:
+    """The processes in which a batch plans, once there are so many.
+
+    A process that was begun a moment ago has no command line yet.
+    """
+    found: list[int] = []
+    for _ in moments("too few workers"):
         pids = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
-        found = [
-            int(pid) for pid in pids if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()
-        ]
+        found = [int(pid) for pid in pids if b"spawn_main" in command_line(int(pid))]
         if len(found) >= at_least:
-            return found
-        assert time.monotonic() < until, f"only {len(found)} workers"
+            break
+    return found
+
+
+def command_line(pid: int) -> bytes:
+    """Of a process; nothing where it has ended, whether or not somebody has noticed."""
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_bytes()
+    except (FileNotFoundError, ProcessLookupError):
+        return b""
+
+
+def moments(failure: str) -> Iterator[None]:
+    """Turns of a loop that waits, short naps apart; the test fails when they take far too long."""
+    until = time.monotonic() + 600
+    while time.monotonic() < until:
+        yield
         time.sleep(0.02)
+    pytest.fail(failure)
 
 
 def test_a_full_disk_then_one_that_cannot_be_written_then_room_again(golden, place):
@@ -184,7 +201,7 @@ def test_interrupted_in_any_phase_solve_leaves_whole_files_or_none(place, run, m
     assert result.status == 130
     folder = place / "results/room"
     if phase in ("optimise", "plan_files", "replace"):
-        assert why_incomplete(folder) == ""
+        assert broken_seal(folder) == ""
         words = (
             "best feasible" if phase == "optimise" else "interrupted when its files were written"
         )
@@ -263,23 +280,22 @@ def test_killed_at_random_moments_and_taken_up_again(golden, place):
 
 def _await_end(pid: int) -> None:
     """Workers follow the batch that was killed: nobody plans for nobody."""
-    until = time.monotonic() + 60
-    while Path(f"/proc/{pid}/cmdline").exists() and Path(f"/proc/{pid}/cmdline").read_bytes():
-        assert time.monotonic() < until, "a worker outlives its batch"
-        time.sleep(0.05)
+    for _ in moments("a worker outlives its batch"):
+        if not command_line(pid):
+            return
 
 
 @pytest.mark.parametrize("renamed", range(3))
-def test_killed_between_two_renames_the_manifest_fits_no_more(tmp_path, renamed):
+def test_killed_between_two_renames_the_seal_is_broken(tmp_path, renamed):
     """The old run is whole, then the process dies after `renamed` files of the new one."""
     folder = tmp_path / "run"
 
     def files(text: bytes) -> dict[str, bytes]:
         contents = {"a.csv": text, "report.json": text}
-        return contents | {"run.json": json_bytes({"sha256": manifest(contents)})}
+        return contents | {"run.json": json_bytes({"sha256": seal(contents)})}
 
     write_set(folder, files(b"old"))
-    assert why_incomplete(folder) == ""
+    assert broken_seal(folder) == ""
     child = os.fork()
     if child == 0:
         real, calls = os.replace, iter(range(9))
@@ -293,7 +309,7 @@ def test_killed_between_two_renames_the_manifest_fits_no_more(tmp_path, renamed)
         write_set(folder, files(b"new"))
         os._exit(0)
     assert os.WTERMSIG(os.waitpid(child, 0)[1]) == signal.SIGKILL
-    assert bool(why_incomplete(folder)) == (renamed > 0)
+    assert bool(broken_seal(folder)) == (renamed > 0)
     assert {path.read_bytes() for path in folder.glob("*.csv")} <= {b"old", b"new"}
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from stplan.cli import bench_commands
+from stplan.cli import bench
 from stplan.cli.app import main
 
 
@@ -14,20 +14,20 @@ def test_all_runs_each_of_them_and_describes_the_machine(tmp_path, monkeypatch, 
     ran = []
 
     def note(name):
-        def run(console, output, *arguments, full):
+        def run(console, *arguments, output, full):
             ran.append((name, output, full))
             return 0
 
         return run
 
-    for name in ("figures", "sweep", "rival", "seeding", "convergence"):
-        monkeypatch.setattr(bench_commands, f"bench_{name}", note(name))
+    for name in ("figures", "_sweep", "rival", "seeding", "convergence"):
+        monkeypatch.setattr(bench, name, note(name))
     monkeypatch.chdir(Path(__file__).parents[2])
     with pytest.raises(SystemExit) as left:
         main(["bench", "all", "--full", "-o", str(tmp_path)])
     assert left.value.code == 0
-    assert {name for name, _, _ in ran} == {"figures", "sweep", "rival", "seeding", "convergence"}
-    assert [name for name, _, _ in ran].count("sweep") == 3
+    assert {name for name, _, _ in ran} == {"figures", "_sweep", "rival", "seeding", "convergence"}
+    assert [name for name, _, _ in ran].count("_sweep") == 3
     assert all((output, full) == (tmp_path, True) for _, output, full in ran)
     machine = (tmp_path / "machine.md").read_text()
     assert capsys.readouterr().out == machine

@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
 from typing import Any
+from unittest.mock import create_autospec
 
 import pytest
 
 import stplan.scene
-import stplan.world
+from stplan import planner
 from stplan.cli.app import main
-from stplan.errors import SceneError
-from stplan.files.json_file import json_bytes
-from stplan.files.trajectories import write_files
-from tests.files.examples import scene_of, straight_lines
+from stplan.planner import Plan
+from stplan.scene.model import Scene
+from stplan.status import Status
+from tests.files.examples import straight_lines
+
+SCENE = """\
+stplan: 1
+horizon: 5.0
+agents:
+  - {id: sam, start: [0.0, 0.0], goal: [4.0, 0.0], radius: 0.25}
+  - {id: ann, start: [0.0, 9.0], goal: [4.0, 9.0], radius: 0.25}
+"""
 
 
 @dataclass
@@ -51,83 +58,58 @@ def run(capsys) -> Callable[..., Result]:
 
 @dataclass
 class Stage:
-    """What the stand-in does: errors to raise and outcomes to give, by scene name."""
+    """What the stand-in does with a real plan: errors to raise and outcomes to give, by scene name."""
 
+    example: Plan
     raises: dict[str, BaseException] = field(default_factory=dict)
-    outcomes: dict[str, tuple[str, int, str]] = field(default_factory=dict)
-    violations: tuple[str, ...] = ()
+    outcomes: dict[str, Status] = field(default_factory=dict)
     overrides: list[tuple[str, ...]] = field(default_factory=list)
     planned: list[str] = field(default_factory=list)
-    hash: str = "0123"
 
-    def load_scene(self, path: Path, overrides: tuple[str, ...] = ()) -> Any:
+    def load_scene(self, path: Path, *, overrides: tuple[str, ...] = ()) -> Scene:
         self.overrides.append(tuple(overrides))
-        if path.read_text() == "broken":
-            raise SceneError([f"{path}:1:1: first fault", f"{path}:2:1: second fault"])
-        scene = scene_of(["sam", "ann"], name=path.stem, source=path)
-        return SimpleNamespace(
-            **vars(scene) | {"content_hash": self.hash, "overrides": tuple(overrides)}
-        )
+        return _load_scene(path, overrides=overrides)
 
-    def certificate(self) -> Any:
-        return SimpleNamespace(
-            holds=not self.violations,
-            violations=self.violations,
-            summary="certificate holds" if not self.violations else "certificate IS BROKEN",
-            as_dict=lambda: {"holds": not self.violations, "violations": list(self.violations)},
-        )
-
-    def plan(self, scene: Any, *, progress: Any = None, live: Any = None, stop: Any = None) -> Any:
+    def plan(self, scene: Scene, *, progress: Callable[[str], None], **options: Any) -> Plan:
         self.planned.append(scene.name)
         progress("outer iteration 1")
         if scene.name in self.raises:
             raise self.raises[scene.name]
-        status, exit_status, advice = self.outcomes.get(scene.name, ("converged", 0, ""))
+        status = self.outcomes.get(scene.name, Status.CONVERGED)
         lines = straight_lines(scene)
-        rows = [
-            {"agent": agent, "arrival_time": 5.0, "path_length": 4.0, "greatest_speed": 0.8}
-            for agent in lines.agent_ids
-        ]
-        report = {
-            "status": status,
-            "scene": {
-                "name": scene.name, "source": str(scene.source), "hash": scene.content_hash,
-                "overrides": list(scene.overrides),
-            },
-            "certificate": {"holds": True, "pairs": {"rows": []}, "walls": {"rows": []}},
-            "metrics": {"kinetic_over_straight": 1.25, "latest_arrival": 5.0, "agents": rows},
+        about = self.example.report["scene"] | {
+            "name": scene.name, "source": str(scene.source), "hash": scene.content_hash,
+            "overrides": list(scene.overrides),
         }  # fmt: skip
-        return SimpleNamespace(
-            scene=scene, seed=lines, trajectories=lines, certificate=self.certificate(),
-            report=report, run={"seconds": {"total": 0.5}}, status=status, advice=advice,
-            exit_status=exit_status,
-        )  # fmt: skip
-
-    def write_plan(self, plan: Any, folder: Path) -> list[Path]:
-        return write_files(
-            folder,
-            plan.scene,
-            {"trajectories": plan.trajectories, "seed": plan.seed},
-            {"report.json": json_bytes(plan.report), "run.json": json_bytes(plan.run)},
+        report = self.example.report | {
+            "status": status, "advice": status.advice, "scene": about,
+        }  # fmt: skip
+        return replace(
+            self.example, scene=scene, seed=lines, trajectories=lines, status=status, report=report
         )
 
 
+_load_scene = stplan.scene.load_scene
+
+
+@pytest.fixture(scope="session")
+def example(tmp_path_factory: pytest.TempPathFactory) -> Plan:
+    """Two agents that never meet, planned in earnest."""
+    path = tmp_path_factory.mktemp("example") / "example.yaml"
+    path.write_text(SCENE)
+    return planner.plan(_load_scene(path))
+
+
 @pytest.fixture
-def stage(monkeypatch, tmp_path) -> Stage:
-    """Replace reading and planning of scenes; the working directory is new."""
-    acting = Stage()
-    pipeline: Any = ModuleType("stplan.planner")
-    pipeline.plan = pipeline.seed = acting.plan
-    pipeline.write_plan = acting.write_plan
-    pipeline.check = lambda scene, lines: acting.certificate()
-    monkeypatch.setitem(sys.modules, "stplan.planner", pipeline)
-    monkeypatch.setattr(
-        stplan.world, "fitted_free_space",
-        lambda scene: acting.plan(scene, progress=lambda line: None), raising=False,
-    )  # fmt: skip
-    monkeypatch.setattr(stplan.scene, "load_scene", acting.load_scene, raising=False)
+def stage(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, example: Plan) -> Stage:
+    """Replace planning, as it would be called in earnest; the working directory is new."""
+    acting = Stage(example)
+    for name in ("plan", "seed"):
+        stand_in = create_autospec(getattr(planner, name), side_effect=acting.plan)
+        monkeypatch.setattr(planner, name, stand_in)
+    monkeypatch.setattr(stplan.scene, "load_scene", acting.load_scene)
     monkeypatch.chdir(tmp_path)
     for name in ("one", "two", "three"):
-        Path(f"{name}.yaml").write_text("stplan: 1")
-    Path("bad.yaml").write_text("broken")
+        Path(f"{name}.yaml").write_text(SCENE)
+    Path("bad.yaml").write_text(SCENE.replace("5.0", "five").replace("radius", "radios", 1))
     return acting

@@ -73,24 +73,26 @@ def test_unknown_names_of_the_package():
         _ = stplan.plam
 
 
+SCENE = """\
+stplan: 1
+horizon: 9.0
+agents: [{id: sam, start: [0.0, 0.0], goal: [5.0, 5.0]}]
+"""
+# A command whose planning is `action` instead.
 WAITING = """
-import sys, time, types
-import stplan.scene
-from tests.files.examples import scene_of
-stplan.scene.load_scene = lambda path, overrides=(): scene_of(["sam"])
-pipeline = types.ModuleType("stplan.planner")
-def plan(scene, *, progress, live=None, stop=None):
+import sys, time
+from stplan import planner
+def plan(scene, *, progress, live, stop):
     progress("planning")
     {action}
-pipeline.plan = pipeline.seed = plan
-sys.modules["stplan.planner"] = pipeline
+planner.plan = plan
 from stplan.cli.app import main
 main(["solve", "scene.yaml", *sys.argv[1:]])
 """
 
 
 def _start(tmp_path, action="time.sleep(60)", **options):
-    (tmp_path / "scene.yaml").write_text("")
+    (tmp_path / "scene.yaml").write_text(SCENE)
     return subprocess.Popen(
         [sys.executable, "-c", WAITING.format(action=action)],
         cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(ROOT)}, text=True,

@@ -79,3 +79,18 @@ def test_a_folder_in_the_way_of_a_file(tmp_path):
     with pytest.raises(UsageError, match="a folder of this name is in the way"):
         write_set(tmp_path, {"one": b"", "two": b""})
     assert _names(tmp_path) == ["two"]
+
+
+def test_interrupted_between_two_names_the_others_get_theirs_too(tmp_path, monkeypatch):
+    real = os.replace
+    calls = iter(range(9))
+
+    def replace(source, target):
+        real(source, target)
+        if next(calls) == 0:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(os, "replace", replace)
+    with pytest.raises(KeyboardInterrupt):
+        write_set(tmp_path, {"one": b"1", "two": b"2"})
+    assert _names(tmp_path) == ["one", "two"]

@@ -1,0 +1,188 @@
+"""The commands that look at what is planned: check, diff and explain."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from stplan.cli.command import command, group
+from stplan.cli.console import Console
+from stplan.cli.options import Overrides, RunOrScene, Trajectories
+from stplan.cli.scenes import read_scene
+from stplan.cli.signals import answered_by
+from stplan.errors import UsageError
+from stplan.stopping import StopRequest
+
+if TYPE_CHECKING:
+    from stplan.problem.world_lines import WorldLines
+    from stplan.scene.model import Scene
+
+app = group()
+
+
+class Format(StrEnum):
+    """How a difference is written; `--json` is short for JSON."""
+
+    TEXT = "text"
+    JSON = "json"
+    MARKDOWN = "markdown"
+
+
+@command(app)
+def check(
+    console: Console,
+    run_or_scene: RunOrScene,
+    trajectories: Trajectories = None,
+    *,
+    overrides: Overrides = None,
+) -> int:
+    """Certify trajectories against a scene.
+
+    In continuous time, and whoever wrote them: a .csv, a .npz or the folder of a run.
+    Exit status 0 when the certificate holds, 1 when it is broken.
+
+    \b
+    Examples:
+      stplan check outputs/bottleneck
+      stplan check scenes/bottleneck/bottleneck.yaml outputs/bottleneck/seed.csv
+    """
+    scene, lines, changed = _scene_and_lines("check", run_or_scene, trajectories, overrides or [])
+    if lines is None:
+        raise UsageError(
+            f"{run_or_scene} is not the folder of a run, so name the trajectories too: "
+            f"stplan check {run_or_scene} TRAJECTORIES"
+        )
+    from stplan import planner
+
+    certificate = planner.check(scene, lines)
+    if changed:
+        console.progress(f"note: {scene.source} is not as it was when this run was planned")
+    console.result(f"{scene.name}: {certificate.summary}", *certificate.violations)
+    status = 0 if certificate.holds else 1
+    console.result_json({"exit_status": status, "scene_changed": changed, **certificate.as_dict()})
+    return status
+
+
+@command(app)
+def diff(
+    console: Console,
+    a: Annotated[
+        Path,
+        typer.Argument(metavar="A", help="A .csv, a .npz, a run's folder or a folder of runs."),
+    ],
+    b: Annotated[Path, typer.Argument(metavar="B", help="What to compare with A.")],
+    *,
+    atol: Annotated[float, typer.Option(help="Absolute tolerance, in m and in s.")] = 1e-9,
+    rtol: Annotated[float, typer.Option(help="Relative tolerance.")] = 0.0,
+    output_format: Annotated[
+        Format | None,
+        typer.Option("--format", help="How to say it.  [default: text]", show_default=False),
+    ] = None,
+) -> int:
+    """Compare two runs, or two folders of runs; for CI.
+
+    Says which agent differs most, by how much, at which knot and when; which agents, and of two
+    folders which runs, are only in one of them; and, where both have a report.json, whether the
+    certificate changed. A is what is expected. Two knots agree when they are at most
+    ATOL + RTOL * size apart, size being their distance to the origin (or their time).
+    Exit status 0 when all is equal within the tolerances, 1 when something differs.
+
+    \b
+    Examples:
+      stplan diff outputs/bottleneck expected/trajectories.csv --atol 1e-6
+      stplan diff golden outputs --atol 1e-6 --format markdown >> "$GITHUB_STEP_SUMMARY"
+    """
+    console.as_json |= output_format == Format.JSON
+    for name, value in (("--atol", atol), ("--rtol", rtol)):
+        if not (math.isfinite(value) and value >= 0):
+            raise UsageError(f"{name} is {value}; expected a finite number, at least 0")
+    from stplan.files.compare_markdown import markdown_lines
+    from stplan.files.compare_runs import RunDifference, compare_runs
+
+    difference = compare_runs(a, b, atol, rtol)
+    status = 0 if difference.equal else 1
+    markdown = output_format == Format.MARKDOWN
+    console.result(*(markdown_lines(difference) if markdown else difference.lines()))
+    if console.verbose and not markdown:
+        runs = (difference,) if isinstance(difference, RunDifference) else difference.runs
+        for run in runs:
+            if run.equal:
+                prefix = f"{run.run}: " if run.run else ""
+                console.result(*(prefix + agent.sentence() for agent in run.trajectories.agents))
+    console.result_json({"exit_status": status, **difference.as_dict()})
+    return status
+
+
+@command(app)
+def explain(
+    console: Console,
+    run_or_scene: RunOrScene,
+    trajectories: Trajectories = None,
+    *,
+    everything: Annotated[
+        bool, typer.Option("--all", help="Everything, not only the most important.")
+    ] = False,
+    time_limit: Annotated[
+        float,
+        typer.Option(help="Of a scene: longest search for initial curves, s; 0 leaves it out."),
+    ] = 10.0,
+    overrides: Overrides = None,
+) -> int:
+    """Say in words what is tight, who waits for whom, and why.
+
+    Of a run, or of any trajectories against a scene: the pairs and walls that leave least room, who
+    waits for whom, who is late, and who goes how much further than alone. Of a scene by itself:
+    which places are narrow for which radii, who would meet whom, and whether initial curves are
+    found; if not, whom that concerns, where and when.
+    Exit status 0; 1 where the certificate is broken, 3 where no initial curves were found.
+
+    \b
+    Examples:
+      stplan explain outputs/bottleneck
+      stplan explain scenes/tight/cabin.yaml --all
+      stplan explain scenes/bottleneck/bottleneck.yaml outputs/bottleneck/seed.csv --json
+    """
+    if not (math.isfinite(time_limit) and time_limit >= 0):
+        raise UsageError(f"--time-limit is {time_limit}; expected a finite number, at least 0")
+    scene, lines, changed = _scene_and_lines("explain", run_or_scene, trajectories, overrides or [])
+    from stplan.explain.run import explain_run
+    from stplan.explain.scene import explain_scene
+    from stplan.files.recorded import REPORT, read_report
+
+    if changed:
+        console.progress(f"note: {scene.source} is not as it was when this run was planned")
+    if lines is None:
+        stop = StopRequest()
+        with answered_by(stop.make):
+            explanation, plannable = explain_scene(
+                scene, time_limit=time_limit, progress=console.progress, stop=stop
+            )
+        status = 0 if plannable else 3
+    else:
+        report = None if trajectories else read_report(run_or_scene / REPORT)
+        explanation, certificate = explain_run(scene, lines, report)
+        status = 0 if certificate.holds else 1
+    console.result(*explanation.lines(everything=everything))
+    console.result_json({"exit_status": status, **explanation.as_dict()})
+    return status
+
+
+def _scene_and_lines(
+    command: str, run_or_scene: Path, trajectories: Path | None, overrides: Sequence[str]
+) -> tuple[Scene, WorldLines | None, bool]:
+    """A scene, the trajectories named with it or those of its run, and whether it changed since."""
+    from stplan.files.run_folder import recorded_scene
+    from stplan.files.trajectories import read_trajectories
+
+    if not run_or_scene.is_dir():
+        scene = read_scene(run_or_scene, overrides)
+        return scene, None if trajectories is None else read_trajectories(trajectories), False
+    recorded = recorded_scene(run_or_scene, command)
+    scene = read_scene(recorded.source, [*recorded.overrides, *overrides])
+    changed = recorded.content_hash not in (None, scene.content_hash)
+    return scene, read_trajectories(trajectories or run_or_scene), changed

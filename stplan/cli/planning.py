@@ -1,0 +1,204 @@
+"""The commands that plan: solve and seed."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stplan.cli.command import command, group
+from stplan.cli.console import Console, note_failure, worst
+from stplan.cli.options import Output, Overrides, ScenePaths
+from stplan.cli.scenes import read_scene
+from stplan.cli.signals import answered_by
+from stplan.errors import SceneError, StoppedError, UsageError
+from stplan.stopping import StopRequest
+
+if TYPE_CHECKING:
+    from stplan.planner import Plan
+    from stplan.scene.model import Scene
+
+app = group()
+
+Record = dict[str, Any]
+
+
+@command(app)
+def solve(
+    console: Console,
+    scenes: ScenePaths,
+    *,
+    output: Output = Path("outputs"),
+    overrides: Overrides = None,
+) -> int:
+    """Plan scenes; write their trajectories and a report.
+
+    For every scene initial curves are found that are clear of each other and of the walls, then all
+    are made smooth and cheap at once, and the result is certified by code of its own. StoppedError
+    (Ctrl-C, SIGTERM) it writes the best feasible trajectories so far. The same scene gives the same
+    bytes, run.json excepted.
+
+    Of several scenes each is planned; the exit status is the worst of them, in the order
+    5, 130, 2, 3, 4, 0.
+
+    \b
+    Examples:
+      stplan solve scenes/bottleneck/bottleneck.yaml
+      stplan solve scene.yaml -o results --set solver.outer_iterations=8
+      stplan solve scenes/*/*.yaml --quiet
+    """
+    return _plan_scenes(console, scenes, output, overrides or [], seed_only=False)
+
+
+@command(app)
+def seed(
+    console: Console,
+    scenes: ScenePaths,
+    *,
+    output: Output = Path("outputs"),
+    overrides: Overrides = None,
+) -> int:
+    """Find only the initial curves.
+
+    Writes seed.csv and seed.npz: curves that are clear, but neither smooth nor cheap. Exit status 3
+    where none are found; `stplan explain SCENE` then says more.
+
+    \b
+    Example:
+      stplan seed scenes/bottleneck/bottleneck.yaml --set seeding.rng_seed=3
+    """
+    return _plan_scenes(console, scenes, output, overrides or [], seed_only=True)
+
+
+def _plan_scenes(
+    console: Console,
+    paths: Sequence[Path],
+    output: Path,
+    overrides: Sequence[str],
+    *,
+    seed_only: bool,
+) -> int:
+    """Plan every scene that can be read; all that cannot are named first."""
+    records: list[Record] = [
+        {"scene": str(path), "exit_status": 0, "status": "not planned"} for path in paths
+    ]
+    for scene, record in _readable(console, paths, overrides, records):
+        prefix = f"{scene.name}: " if len(paths) > 1 else ""
+        try:
+            _plan_one(console, scene, output, seed_only=seed_only, prefix=prefix, record=record)
+        except (Exception, KeyboardInterrupt) as error:
+            if isinstance(error, KeyboardInterrupt) and "files" in record:
+                record["exit_status"] = StoppedError.exit_status
+                console.error(f"{prefix}interrupted when its files were written already")
+            else:
+                note_failure(
+                    console, record, error, "" if isinstance(error, SceneError) else prefix
+                )
+        if record["exit_status"] == StoppedError.exit_status:
+            break
+    status = worst([record["exit_status"] for record in records])
+    console.result_json({"exit_status": status, "scenes": records})
+    return status
+
+
+def _readable(
+    console: Console, paths: Sequence[Path], overrides: Sequence[str], records: Sequence[Record]
+) -> list[tuple[Scene, Record]]:
+    """The scenes to be planned, each with its record; what is wrong with the others is said and noted."""
+    scenes: dict[str, tuple[Scene, Record]] = {}
+    for path, record in zip(paths, records, strict=True):
+        try:
+            scene = read_scene(path, overrides)
+            if scene.name in scenes:
+                other = scenes[scene.name][1]["scene"]
+                raise UsageError(
+                    f"{path} and {other} are both named {scene.name}, so one would overwrite "
+                    "the other; rename one, or solve them apart"
+                )
+            scenes[scene.name] = scene, record
+        except Exception as error:
+            note_failure(console, record, error)
+    return list(scenes.values())
+
+
+def _plan_one(
+    console: Console,
+    scene: Scene,
+    output: Path,
+    *,
+    seed_only: bool,
+    prefix: str,
+    record: Record,
+) -> None:
+    """Plan a scene, write its files and fill its record."""
+    from stplan import planner
+
+    def progress(line: str) -> None:
+        console.progress(prefix + line)
+
+    stop = StopRequest()
+    with answered_by(stop.make):
+        if seed_only:
+            planned = planner.seed(scene, progress=progress, stop=stop)
+        else:
+            with console.live_line(prefix) as live:
+                planned = planner.plan(scene, progress=progress, live=live, stop=stop)
+        with stop.held():
+            files = _write(planned, output / scene.name, seed_only)
+            record |= {
+                "name": scene.name,
+                "exit_status": planned.exit_status,
+                "status": planned.status,
+                "advice": planned.advice,
+                "folder": str(output / scene.name),
+                "files": [str(path) for path in files],
+                "report": planned.report,
+                "run": planned.run,
+            }
+    if planned.advice and not (console.quiet and planned.exit_status == 0):
+        console.error(prefix + planned.advice)
+    console.result(*_plan_lines(planned, files, console.verbose))
+    if stop.made and planned.exit_status != StoppedError.exit_status:
+        raise KeyboardInterrupt  # Too late to change anything of this scene, but not of the next.
+
+
+def _write(planned: Plan, folder: Path, seed_only: bool) -> list[Path]:
+    if not seed_only:
+        from stplan.planner import write_plan
+
+        return write_plan(planned, folder)
+    # Without a report: one of an earlier `solve` in this folder still describes its trajectories.
+    from stplan.files.trajectories import write_files
+
+    return write_files(folder, planned.scene, {"seed": planned.seed})
+
+
+def _plan_lines(plan: Plan, files: list[Path], verbose: bool) -> list[str]:
+    """A plan in a few lines."""
+    metrics = plan.report.get("metrics", {})
+    lines = [f"{plan.scene.name}: {plan.status}", f"  {plan.certificate.summary}"]
+    ratio, arrival = metrics.get("kinetic_over_straight"), metrics.get("latest_arrival")
+    figures = []
+    if ratio is not None:
+        figures.append(f"kinetic cost {ratio:.4f} times the straight lines'")
+    if arrival is not None:
+        figures.append(f"latest arrival {arrival:.2f} s")
+    if figures:
+        lines.append("  " + ", ".join(figures))
+    if verbose:
+        lines += [_agent_line(row) for row in metrics.get("agents", [])]
+        seconds = plan.run.get("seconds", {})
+        spent = ", ".join(f"{name} {amount:.2f} s" for name, amount in seconds.items())
+        lines += [f"  {spent}"] if spent else []
+    if files:
+        names = " ".join(path.name for path in files)
+        lines.append(f"  {files[0].parent}{os.sep}: {names}")
+    return lines
+
+
+def _agent_line(row: dict[str, Any]) -> str:
+    return (
+        f"  {row['agent']}: arrives {row['arrival_time']:.2f} s, "
+        f"path {row['path_length']:.2f} m, fastest {row['greatest_speed']:.2f} m/s"
+    )

@@ -1,0 +1,71 @@
+"""A function becomes a command: its switches, its console, its exit status."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+import pytest
+import typer
+
+from stplan.cli.command import command, group
+from stplan.cli.console import Console
+from stplan.errors import SeedingError
+
+
+@pytest.fixture
+def app() -> typer.Typer:
+    commands = group()
+
+    @command(commands)
+    def count(
+        console: Console,
+        words: Annotated[list[str], typer.Argument(help="What to count.")],
+        *,
+        at_most: Annotated[int, typer.Option(help="No more than these.")] = 9,
+    ) -> int:
+        """Count words."""
+        if len(words) > at_most:
+            raise SeedingError("too many")
+        console.result(f"{len(words)} words")
+        console.result_json({"exit_status": 0, "words": words})
+        return 0
+
+    @command(commands, "plain", without=("quiet", "as_json"))
+    def other(console: Console) -> int:
+        """Nothing."""
+        console.result("verbose" if console.verbose else "plain")
+        return 1
+
+    return commands
+
+
+@pytest.fixture
+def call(app, capsys):
+    def run(*arguments: str) -> tuple[int, str, str]:
+        with pytest.raises(SystemExit) as left:
+            app(args=list(arguments))
+        return (int(left.value.code or 0), *capsys.readouterr())
+
+    return run
+
+
+def test_arguments_and_switches_reach_the_function(call):
+    assert call("count", "a", "b") == (0, "2 words\n", "")
+    assert call("count", "a", "b", "--quiet") == (0, "", "")
+    status, out, _ = call("count", "a", "b", "--json")
+    assert (status, json.loads(out)["words"]) == (0, ["a", "b"])
+
+
+def test_an_exception_is_its_exit_status_and_a_message(call):
+    assert call("count", "a", "b", "--at-most", "1") == (3, "", "too many\n")
+    status, out, err = call("count", "a", "b", "--at-most", "1", "--json")
+    assert (status, json.loads(out), err) == (
+        3, {"exit_status": 3, "messages": ["too many"]}, "too many\n",
+    )  # fmt: skip
+
+
+def test_a_command_may_have_fewer_switches_and_another_name(call):
+    assert call("plain", "-v") == (1, "verbose\n", "")
+    assert call("plain", "--json")[0] == 2
+    assert "--quiet" not in call("plain", "--help")[1]
