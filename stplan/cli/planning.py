@@ -16,6 +16,7 @@ from stplan.errors import SceneError, StoppedError, UsageError
 from stplan.stopping import StopRequest
 
 if TYPE_CHECKING:
+    from stplan.analysis.metrics import AgentMetrics
     from stplan.planner import Plan
     from stplan.scene.model import Scene
 
@@ -153,8 +154,8 @@ def _plan_one(
                 "advice": planned.advice,
                 "folder": str(output / scene.name),
                 "files": [str(path) for path in files],
-                "report": planned.report,
-                "run": planned.run,
+                "report": planned.report.as_dict(),
+                "run": planned.run.as_dict(),
             }
     if planned.advice and not (console.quiet and planned.exit_status == 0):
         console.error(prefix + planned.advice)
@@ -176,29 +177,26 @@ def _write(planned: Plan, folder: Path, seed_only: bool) -> list[Path]:
 
 def _plan_lines(plan: Plan, files: list[Path], verbose: bool) -> list[str]:
     """A plan in a few lines."""
-    metrics = plan.report.get("metrics", {})
+    metrics = plan.report.metrics
     lines = [f"{plan.scene.name}: {plan.status}", f"  {plan.certificate.summary}"]
-    ratio, arrival = metrics.get("kinetic_over_straight"), metrics.get("latest_arrival")
     figures = []
-    if ratio is not None:
+    if metrics.kinetic_over_straight is not None:
+        ratio = metrics.kinetic_over_straight
         figures.append(f"kinetic cost {ratio:.4f} times the straight lines'")
-    if arrival is not None:
-        figures.append(f"latest arrival {arrival:.2f} s")
-    if figures:
-        lines.append("  " + ", ".join(figures))
+    figures.append(f"latest arrival {metrics.latest_arrival:.2f} s")
+    lines.append("  " + ", ".join(figures))
     if verbose:
-        lines += [_agent_line(row) for row in metrics.get("agents", [])]
-        seconds = plan.run.get("seconds", {})
-        spent = ", ".join(f"{name} {amount:.2f} s" for name, amount in seconds.items())
-        lines += [f"  {spent}"] if spent else []
+        lines += [_agent_line(agent) for agent in metrics.agents]
+        spent = ", ".join(f"{name} {amount:.2f} s" for name, amount in plan.run.seconds.items())
+        lines += [f"  {spent}"]
     if files:
         names = " ".join(path.name for path in files)
         lines.append(f"  {files[0].parent}{os.sep}: {names}")
     return lines
 
 
-def _agent_line(row: dict[str, Any]) -> str:
+def _agent_line(agent: AgentMetrics) -> str:
     return (
-        f"  {row['agent']}: arrives {row['arrival_time']:.2f} s, "
-        f"path {row['path_length']:.2f} m, fastest {row['greatest_speed']:.2f} m/s"
+        f"  {agent.agent}: arrives {agent.arrival_time:.2f} s, "
+        f"path {agent.path_length:.2f} m, fastest {agent.greatest_speed:.2f} m/s"
     )
