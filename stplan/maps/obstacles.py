@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field
@@ -42,6 +42,10 @@ class PolygonObstacle:
     def outline(self) -> FloatArray:
         """(n, 2) corners."""
         return np.array(self.ring)
+
+    def meaning(self) -> dict[str, Any]:
+        """What the scene says, as it is hashed."""
+        return {"ring": self.ring}
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
+
+import numpy as np
 
 from stplan.arrays import Point
 from stplan.maps.reader import Floor, MapBase, MapReader
@@ -37,7 +39,11 @@ class PolygonBase(MapBase):
         """The ring's inside less its holes'."""
         import shapely
 
-        return Floor(shapely.Polygon(self.outer, self.holes))
+        return Floor(shapely.Polygon(np.array(self.outer), [np.array(hole) for hole in self.holes]))
+
+    def meaning(self) -> dict[str, Any]:
+        """What the scene says, as it is hashed."""
+        return {"outer": self.outer, "holes": self.holes}
 
 
 def _polygon(entry: PolygonKeys, folder: Path, faults: list[Fault]) -> PolygonBase:

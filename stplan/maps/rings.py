@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from stplan.arrays import Point
 from stplan.schema.mapping import Fault
 
@@ -37,7 +39,7 @@ def simple_ring(
             (path, f"has {len(set(ring))} distinct points; a ring of at least 3 is expected")
         )
         return ring
-    shape = shapely.Polygon(ring)
+    shape = shapely.Polygon(np.array(ring))
     if not shape.is_valid:
         reason = shapely.is_valid_reason(shape)
         faults.append((path, f"crosses or touches itself ({reason}); a simple ring is expected"))

@@ -35,22 +35,14 @@ class FreeSpace:
     def from_polygon(polygon: shapely.Geometry, triangles: FloatArray | None = None) -> FreeSpace:
         """The free space of a polygon; exactly collinear corners are dropped, order is canonical."""
         polygon = shapely.normalize(shapely.simplify(polygon, 0.0, preserve_topology=True))
-        parts = [part for part in shapely.get_parts(polygon) if part.area > 0]
-        starts, ends = [], []
-        for part in parts:
-            for ring in [part.exterior, *part.interiors]:
-                corners = np.asarray(ring.coords)[:, :2]
-                starts.append(corners[:-1])
-                ends.append(corners[1:])
-        edges = np.hstack([np.vstack(starts), np.vstack(ends)])
-        vertices, place = np.unique(
-            np.vstack([edges[:, :2], edges[:, 2:]]), axis=0, return_inverse=True
-        )
-        place = place.reshape(2, -1).T
-        keep = place[:, 0] != place[:, 1]
+        parts = shapely.get_parts(polygon)
+        rings = shapely.get_rings(parts[shapely.area(parts) > 0])
+        corners, owner = shapely.get_coordinates(rings, return_index=True)
+        vertices, place = _distinct(corners)
+        edges = np.column_stack([place[:-1], place[1:]])[np.diff(owner) == 0]
         shapely.prepare(polygon)
-        place = np.ascontiguousarray(place[keep], dtype=np.int64)
-        return FreeSpace(polygon, vertices, place, triangles)
+        edges = np.ascontiguousarray(edges[edges[:, 0] != edges[:, 1]])
+        return FreeSpace(polygon, vertices, edges, triangles)
 
     @cached_property
     def boundary_segments(self) -> FloatArray:
@@ -96,6 +88,16 @@ class FreeSpace:
         result = np.empty(len(shapes))
         result[index] = distance
         return result
+
+
+def _distinct(points: FloatArray) -> tuple[FloatArray, IntArray]:
+    """The distinct ones of points (P, 2), sorted by x and y, and which of them each is (P,)."""
+    order = np.lexsort((points[:, 1], points[:, 0]))
+    new = np.ones(len(points), dtype=bool)
+    new[1:] = (np.diff(points[order], axis=0) != 0).any(axis=1)
+    place = np.empty(len(points), dtype=np.int64)
+    place[order] = np.cumsum(new) - 1
+    return np.ascontiguousarray(points[order][new]), place
 
 
 def build_free_space(scene: Scene) -> FreeSpace | None:

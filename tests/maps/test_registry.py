@@ -64,7 +64,7 @@ def test_new_fields_at_their_default_leave_hashes_as_they_were() -> None:
     assert meaning((Setting((), 4), None)) == [{"old": (), "young": 4}, None]
     spec = scene("{rectangle: [0, 0, 9, 9]}").map
     assert meaning(spec) == {
-        "base": {"outer": [(0, 0), (9, 0), (9, 9), (0, 9)], "holes": ()},
+        "base": {"outer": ((0, 0), (9, 0), (9, 9), (0, 9)), "holes": ()},
         "obstacles": (),
         "resolution": None,
     }

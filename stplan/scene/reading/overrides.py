@@ -8,7 +8,8 @@ from typing import Any
 
 from stplan.errors import SceneError
 from stplan.scene.reading.faults import Hints, shown
-from stplan.scene.reading.yaml_tree import DEEPEST, Tree, read_tree
+from stplan.scene.reading.yaml_nodes import DEEPEST
+from stplan.scene.reading.yaml_tree import Tree, read_tree
 
 LONGEST_OVERRIDE = 1_000_000
 
@@ -59,7 +60,7 @@ def _apply(tree: Tree, override: str) -> str:
     if len(steps) > DEEPEST:
         raise SceneError(f"{name}: a key of at most {DEEPEST} steps is expected")
     # An empty value is left to the validation, which says what it expected instead.
-    value = read_tree(text, name, located=False) if text.strip() else Tree(None)
+    value = read_tree(text, name, located=False) if text.strip() else Tree()
     if value.faults:
         raise SceneError([f"{name}: {fault}" for _, _, fault in value.faults])
     path = _set(tree.value, steps, value.value, name)
