@@ -21,7 +21,7 @@ import pytest
 
 from stplan.files.atomic import write_set
 from stplan.files.json_file import json_bytes
-from stplan.files.manifest import broken_seal, seal
+from stplan.files.manifest import manifest, why_incomplete
 from tests.batch.conftest import (
     COMMAND,
     ENDLESS,
@@ -201,7 +201,7 @@ def test_interrupted_in_any_phase_solve_leaves_whole_files_or_none(place, run, m
     assert result.status == 130
     folder = place / "results/room"
     if phase in ("optimise", "plan_files", "replace"):
-        assert broken_seal(folder) == ""
+        assert why_incomplete(folder) == ""
         words = (
             "best feasible" if phase == "optimise" else "interrupted when its files were written"
         )
@@ -292,10 +292,10 @@ def test_killed_between_two_renames_the_seal_is_broken(tmp_path, renamed):
 
     def files(text: bytes) -> dict[str, bytes]:
         contents = {"a.csv": text, "report.json": text}
-        return contents | {"run.json": json_bytes({"sha256": seal(contents)})}
+        return contents | {"run.json": json_bytes({"sha256": manifest(contents)})}
 
     write_set(folder, files(b"old"))
-    assert broken_seal(folder) == ""
+    assert why_incomplete(folder) == ""
     child = os.fork()
     if child == 0:
         real, calls = os.replace, iter(range(9))
@@ -309,7 +309,7 @@ def test_killed_between_two_renames_the_seal_is_broken(tmp_path, renamed):
         write_set(folder, files(b"new"))
         os._exit(0)
     assert os.WTERMSIG(os.waitpid(child, 0)[1]) == signal.SIGKILL
-    assert bool(broken_seal(folder)) == (renamed > 0)
+    assert bool(why_incomplete(folder)) == (renamed > 0)
     assert {path.read_bytes() for path in folder.glob("*.csv")} <= {b"old", b"new"}
 
 
