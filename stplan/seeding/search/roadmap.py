@@ -17,7 +17,7 @@ from scipy.spatial import Delaunay, QhullError, Voronoi, cKDTree
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.geometry.boundary_grid import BoundaryGrid
-from stplan.geometry.rod_distances import grid_arrays, least_wall_distances
+from stplan.geometry.wall_distances import least_wall_distances
 from stplan.seeding.search.graph import Graph, make_graph
 
 if TYPE_CHECKING:
@@ -252,12 +252,12 @@ def _centred(free_space: FreeSpace, points: FloatArray, reach: float) -> FloatAr
     away = points - (head + np.clip(along, 0.0, 1.0)[:, None] * (tail - head))
     away /= np.maximum(np.hypot(away[:, 0], away[:, 1]), 1e-12)[:, None]
     low, high = np.zeros(len(points)), np.full(len(points), reach)
-    grid = BoundaryGrid(segments)
+    grid = BoundaryGrid.from_segments(segments)
 
     def room(part: FloatArray) -> FloatArray:
         moved = points + part[:, None] * away
         # Moved by no more than the reach, nothing gets further off a wall than this.
-        return least_wall_distances(moved, moved, gap + 2.0 * reach, *grid_arrays(grid))
+        return least_wall_distances(moved, moved, gap + 2.0 * reach, grid)
 
     gap = float(_point_clearance(free_space, points).max())
     for _ in range(CENTRING_STEPS):
