@@ -21,7 +21,7 @@ from stplan.files.json_file import json_bytes
 from stplan.files.manifest import KEY, manifest
 from stplan.files.recorded import REPORT, RUN_RECORD
 from stplan.files.trajectories import curve_files
-from stplan.geometry.segments import squared_distance
+from stplan.geometry.segments import closest_parameters
 from stplan.multistart import best_seed
 from stplan.nlp.ipopt.adapter import require_options
 from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
@@ -183,7 +183,7 @@ def find_initial_curves(
     progress, stop, clock = progress or _silent, stop or _never, clock or Clock()
     scene, free_space = problem.scene, problem.free_space
     with clock.stage("seed"):
-        if not compiled_before(squared_distance):
+        if not compiled_before(closest_parameters):
             progress("compiling, once after installation: this takes about a quarter of a minute")
         found = best_seed(problem, progress=progress)
         lines = restore(problem, found.world_lines, found.rendezvous, progress=progress, stop=stop)

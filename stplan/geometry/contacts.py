@@ -14,20 +14,19 @@ and that of D follows by the chain rule.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import kernel
-from stplan.geometry.segments import PARALLEL, POINT, closest_parameters
+from stplan.geometry.segments import PARALLEL, POINT, closest_parameters, space_time_point
 
 # The ten pairs (i, j), j <= i, of a contact's four points, in the order of `block_positions`.
 POINT_PAIRS = tuple((i, j) for i in range(4) for j in range(i + 1))
 
 
-@dataclass
-class Measured:
+class Measured(NamedTuple):
     """Geometry of C contacts at one iterate.
 
     Attributes:
@@ -42,6 +41,15 @@ class Measured:
     normal: FloatArray
     free: IntArray
 
+    def at(self, contacts: slice) -> Measured:
+        """The geometry of some contacts only."""
+        return Measured(
+            self.distance[contacts],
+            self.parameters[contacts],
+            self.normal[contacts],
+            self.free[contacts],
+        )
+
 
 def measure(positions: FloatArray, points: IntArray) -> Measured:
     """Distances of contacts `points` (C, 4) among `positions` (P, 3) in m."""
@@ -49,27 +57,19 @@ def measure(positions: FloatArray, points: IntArray) -> Measured:
     result = Measured(
         np.empty(count), np.empty((count, 2)), np.empty((count, 3)), np.empty(count, dtype=np.int64)
     )
-    _measure(positions, points, result.distance, result.parameters, result.normal, result.free)
+    _measure(positions, points, result)
     return result
 
 
 @kernel
-def _measure(
-    positions: FloatArray,
-    points: IntArray,
-    distance: FloatArray,
-    parameters: FloatArray,
-    normal: FloatArray,
-    free: IntArray,
-) -> None:
+def _measure(positions: FloatArray, points: IntArray, result: Measured) -> None:
+    distance, parameters, normal, free = result
     for k in range(len(points)):
-        p0 = positions[points[k, 0]]
-        p1 = positions[points[k, 1]]
-        q0 = positions[points[k, 2]]
-        q1 = positions[points[k, 3]]
-        s, t, squared = closest_parameters(
-            p0[0], p0[1], p0[2], p1[0], p1[1], p1[2], q0[0], q0[1], q0[2], q1[0], q1[1], q1[2]
-        )
+        p0 = space_time_point(positions, points[k, 0])
+        p1 = space_time_point(positions, points[k, 1])
+        q0 = space_time_point(positions, points[k, 2])
+        q1 = space_time_point(positions, points[k, 3])
+        s, t, squared = closest_parameters(p0, p1, q0, q1)
         root = np.sqrt(squared)
         distance[k] = root
         parameters[k, 0] = s
@@ -77,7 +77,7 @@ def _measure(
         a = 0.0
         e = 0.0
         b = 0.0
-        for x in range(3):
+        for x in range(len(p0)):
             u = p1[x] - p0[x]
             v = q1[x] - q0[x]
             a += u * u
@@ -97,13 +97,13 @@ def _measure(
 @kernel
 def add_gradient(
     points: IntArray,
-    parameters: FloatArray,
-    normal: FloatArray,
+    measured: Measured,
     slope: FloatArray,
     axis_scale: FloatArray,
     gradient: FloatArray,
 ) -> None:
     """Add sum_k slope_k grad D_k to `gradient` (M, 3), whose axes are scaled by `axis_scale` (3,)."""
+    parameters, normal = measured.parameters, measured.normal
     num_knots = len(gradient)
     for k in range(len(points)):
         if slope[k] == 0.0:
@@ -125,10 +125,7 @@ def add_gradient(
 def add_hessian(
     positions: FloatArray,
     points: IntArray,
-    distance: FloatArray,
-    parameters: FloatArray,
-    normal: FloatArray,
-    free: IntArray,
+    measured: Measured,
     slope: FloatArray,
     curvature: FloatArray,
     axis_scale: FloatArray,
@@ -143,6 +140,7 @@ def add_hessian(
     (row by row, `dimension` axes; a diagonal block holds its lower triangle only), -1 where the
     structure has no room for it. Pairs of a repeated point have weight 0 and need no place.
     """
+    distance, parameters, normal, free = measured
     weight = np.empty(4)
     force = np.zeros((4, 3))
     lever = np.zeros((4, 3))

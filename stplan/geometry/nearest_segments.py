@@ -10,8 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.compiled import kernel
-from stplan.geometry.segments import squared_distance
+from stplan.compiled import inlined, kernel
+from stplan.geometry.growable import with_room
+from stplan.geometry.segments import space_time_point, squared_distance
 
 # Segments in a run.
 RUN = 8
@@ -31,38 +32,33 @@ def near_minimum(
     Returns:
         (N, 2) segments of one and the other rod, and (N,) the pair of rods, in the order of `ranges`.
     """
-    capacity = 16 * len(ranges) + 64
-    while True:
-        found = np.empty((capacity, 3), dtype=np.int64)
-        count = _near_minimum(positions, segments, ranges, slack, found)
-        if count <= capacity:
-            return found[:count, :2].copy(), found[:count, 2].copy()
-        capacity = count
+    found = _near_minimum(positions, segments, ranges, slack)
+    return found[:, :2].copy(), found[:, 2].copy()
 
 
 @kernel
 def _near_minimum(
-    positions: FloatArray,
-    segments: IntArray,
-    ranges: IntArray,
-    slack: float,
-    found: IntArray,
-) -> int:
-    """Fill `found` with segment, segment, pair of rods; returns how many there are."""
+    positions: FloatArray, segments: IntArray, ranges: IntArray, slack: float
+) -> IntArray:
+    """(N, 3) segment of one rod, segment of the other, pair of rods."""
+    found = np.empty((8 * len(ranges) + 64, 3), np.int64)
     count = 0
     for g in range(len(ranges)):
-        a0, a1, b0, b1 = ranges[g]
+        a0, a1, b0, b1 = ranges[g, 0], ranges[g, 1], ranges[g, 2], ranges[g, 3]
         rows = (a1 - a0 + RUN - 1) // RUN
         columns = (b1 - b0 + RUN - 1) // RUN
         bound = np.empty(rows * columns)
+        nearest = 0
         for r in range(rows):
             for c in range(columns):
-                bound[r * columns + c] = _box_distance(
+                place = r * columns + c
+                bound[place] = _box_distance(
                     positions, segments, a0 + r * RUN, min(a0 + (r + 1) * RUN, a1),
                     b0 + c * RUN, min(b0 + (c + 1) * RUN, b1),
                 )  # fmt: skip
+                if bound[place] < bound[nearest]:
+                    nearest = place
         least = np.inf
-        nearest = np.argmin(bound)
         # The pair of runs with the nearest boxes first: it rules out most others.
         for step in range(-1, len(bound)):
             place = nearest if step < 0 else step
@@ -71,30 +67,30 @@ def _near_minimum(
             r, c = place // columns, place % columns
             for i in range(a0 + r * RUN, min(a0 + (r + 1) * RUN, a1)):
                 for j in range(b0 + c * RUN, min(b0 + (c + 1) * RUN, b1)):
-                    least = min(least, _distance(positions, segments[i], segments[j]))
+                    least = min(least, _distance(positions, segments, i, j))
         for place in range(len(bound)):
             if bound[place] >= least + slack:
                 continue
             r, c = place // columns, place % columns
+            found = with_room(found, count + RUN * RUN)
             for i in range(a0 + r * RUN, min(a0 + (r + 1) * RUN, a1)):
                 for j in range(b0 + c * RUN, min(b0 + (c + 1) * RUN, b1)):
-                    if _distance(positions, segments[i], segments[j]) < least + slack:
-                        if count < len(found):
-                            found[count, 0] = i
-                            found[count, 1] = j
-                            found[count, 2] = g
+                    if _distance(positions, segments, i, j) < least + slack:
+                        found[count, 0] = i
+                        found[count, 1] = j
+                        found[count, 2] = g
                         count += 1
-    return count
+    return found[:count]
 
 
-@kernel
-def _distance(positions: FloatArray, first: IntArray, second: IntArray) -> float:
-    p, q = positions[first[0]], positions[first[1]]
-    u, v = positions[second[0]], positions[second[1]]
+@inlined
+def _distance(positions: FloatArray, segments: IntArray, i: int, j: int) -> float:
+    """Distance of segments i and j, m."""
     squared = squared_distance(
-        p[0], p[1], p[2], q[0], q[1], q[2], u[0], u[1], u[2], v[0], v[1], v[2]
-    )
-    return float(np.sqrt(squared))
+        space_time_point(positions, segments[i, 0]), space_time_point(positions, segments[i, 1]),
+        space_time_point(positions, segments[j, 0]), space_time_point(positions, segments[j, 1]),
+    )  # fmt: skip
+    return np.sqrt(squared)
 
 
 @kernel
@@ -103,7 +99,7 @@ def _box_distance(
 ) -> float:
     """Distance of the bounding boxes of segments a0:a1 and b0:b1, m."""
     squared = 0.0
-    for x in range(3):
+    for x in range(positions.shape[1]):
         low_a = high_a = positions[segments[a0, 0], x]
         for i in range(a0, a1):
             for end in range(2):
@@ -116,4 +112,4 @@ def _box_distance(
                 high_b = max(high_b, positions[segments[j, end], x])
         gap = max(0.0, low_a - high_b, low_b - high_a)
         squared += gap * gap
-    return float(np.sqrt(squared))
+    return np.sqrt(squared)

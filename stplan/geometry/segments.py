@@ -1,13 +1,19 @@
-"""Distance of two straight segments in three dimensions, exactly, with where it is attained.
+"""Distance of two straight segments in any number of dimensions, exactly, with where it is attained.
 
 For segments p0 p1 and q0 q1 the squared distance |(p0 - q0) + s (p1 - p0) - t (q1 - q0)|^2 is a convex
 quadratic in (s, t) on the unit square. Its minimiser is the free one clamped to the square, then
 re-solved in the other parameter. Nothing is sampled, so nothing tunnels between samples.
+
+Points are tuples of floats: their length is the dimension, known to the compiler.
 """
 
 from __future__ import annotations
 
+from stplan.arrays import FloatArray
 from stplan.compiled import inlined, kernel
+
+# A point in metres: (x, y) in the plane, (x, y, c t) in space-time.
+Point = tuple[float, ...]
 
 # Below this relative determinant two segments count as parallel: any common point of the overlap is
 # closest, and the middle one keeps the answer symmetric.
@@ -22,19 +28,35 @@ def clamp(value: float) -> float:
     return min(max(value, 0.0), 1.0)
 
 
+@inlined
+def space_time_point(positions: FloatArray, index: int) -> Point:
+    """Row `index` of positions (P, 3) in (x, y, c t)."""
+    return positions[index, 0], positions[index, 1], positions[index, 2]
+
+
+@inlined
+def plane_point(points: FloatArray, index: int) -> Point:
+    """Row `index` of points (n, 2), or of the plane part of positions (P, 3)."""
+    return points[index, 0], points[index, 1]
+
+
 @kernel
-def closest_parameters(
-    p0x: float, p0y: float, p0z: float, p1x: float, p1y: float, p1z: float,
-    q0x: float, q0y: float, q0z: float, q1x: float, q1y: float, q1z: float,
-) -> tuple[float, float, float]:  # fmt: skip
+def closest_parameters(p0: Point, p1: Point, q0: Point, q1: Point) -> tuple[float, float, float]:
     """Parameters (s, t) in [0, 1]^2 of the closest points, and the squared distance in m^2."""
-    ux, uy, uz = p1x - p0x, p1y - p0y, p1z - p0z
-    vx, vy, vz = q1x - q0x, q1y - q0y, q1z - q0z
-    rx, ry, rz = p0x - q0x, p0y - q0y, p0z - q0z
-    a = ux * ux + uy * uy + uz * uz
-    e = vx * vx + vy * vy + vz * vz
-    c = ux * rx + uy * ry + uz * rz
-    f = vx * rx + vy * ry + vz * rz
+    a = 0.0
+    b = 0.0
+    c = 0.0
+    e = 0.0
+    f = 0.0
+    for x in range(len(p0)):
+        u = p1[x] - p0[x]
+        v = q1[x] - q0[x]
+        r = p0[x] - q0[x]
+        a += u * u
+        b += u * v
+        c += u * r
+        e += v * v
+        f += v * r
     s = 0.0
     t = 0.0
     if a <= POINT:
@@ -43,7 +65,6 @@ def closest_parameters(
     elif e <= POINT:
         s = clamp(-c / a)
     else:
-        b = ux * vx + uy * vy + uz * vz
         determinant = a * e - b * b
         if determinant > PARALLEL * a * e:
             s = clamp((b * f - c * e) / determinant)
@@ -59,16 +80,14 @@ def closest_parameters(
         elif t > 1.0:
             t = 1.0
             s = clamp((b - c) / a)
-    dx = rx + s * ux - t * vx
-    dy = ry + s * uy - t * vy
-    dz = rz + s * uz - t * vz
-    return s, t, dx * dx + dy * dy + dz * dz
+    squared = 0.0
+    for x in range(len(p0)):
+        gap = (p0[x] - q0[x]) + s * (p1[x] - p0[x]) - t * (q1[x] - q0[x])
+        squared += gap * gap
+    return s, t, squared
 
 
-@kernel
-def squared_distance(
-    p0x: float, p0y: float, p0z: float, p1x: float, p1y: float, p1z: float,
-    q0x: float, q0y: float, q0z: float, q1x: float, q1y: float, q1z: float,
-) -> float:  # fmt: skip
+@inlined
+def squared_distance(p0: Point, p1: Point, q0: Point, q1: Point) -> float:
     """Squared distance of two segments in m^2."""
-    return closest_parameters(p0x, p0y, p0z, p1x, p1y, p1z, q0x, q0y, q0z, q1x, q1y, q1z)[2]
+    return closest_parameters(p0, p1, q0, q1)[2]

@@ -14,8 +14,9 @@ import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.geometry.boundary_grid import BoundaryGrid
-from stplan.geometry.rod_distances import least_wall_distance, segment_distances
+from stplan.geometry.rod_distances import segment_distances
 from stplan.geometry.rod_neighbours import near_segments
+from stplan.geometry.wall_distances import least_wall_distance
 from stplan.problem.planning_problem import PlanningProblem
 
 # Clear means further apart than R by more than rounding could feign.
@@ -106,6 +107,6 @@ def wall_distance(walls: BoundaryGrid, starts: FloatArray, ends: FloatArray, rea
     """Least distance of plane segments (S, 2) to the walls in m, inf beyond `reach`."""
     heads = np.ascontiguousarray(starts)
     tails = np.ascontiguousarray(ends)
-    segment, edge = walls.near(heads, tails, np.full(len(heads), reach))
-    gap = least_wall_distance(heads, tails, segment, edge, walls.edges)
+    near = walls.near(heads, tails, np.full(len(heads), reach))
+    gap = least_wall_distance(heads, tails, near, walls.edges)
     return gap if gap <= reach else np.inf

@@ -87,7 +87,9 @@ class PlanningProblem:
             interactions=scene_interactions(scene),
             meetings=scene_meetings(scene),
             heeds_walls=np.array([agent.weights.wall > 0 for agent in agents], dtype=bool),
-            boundary=BoundaryGrid(walls) if walls is not None and len(walls) else None,
+            boundary=BoundaryGrid.from_segments(walls)
+            if walls is not None and len(walls)
+            else None,
             waypoints=tuple(
                 np.array(agent.waypoints, dtype=np.float64).reshape(-1, 2) for agent in agents
             ),

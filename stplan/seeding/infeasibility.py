@@ -172,7 +172,7 @@ def _closest(
     place, heights = (0.0, 0.0), (0.0, 0.0)
     for p, q in pairwise(first):
         for u, v in pairwise(second):
-            s, t, squared = closest_parameters(*p, *q, *u, *v)
+            s, t, squared = closest_parameters(tuple(p), tuple(q), tuple(u), tuple(v))
             if squared < least:
                 least = squared
                 near, far = p + s * (q - p), u + t * (v - u)

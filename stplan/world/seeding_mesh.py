@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 import shapely
-from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.scene.model import Agent, Scene
-from stplan.world.erosion import eroded
 from stplan.world.free_space import FreeSpace
+from stplan.world.sampling import (
+    box_around,
+    delaunay_edges,
+    hexagonal_points,
+    points_of_rings,
+    rings_off_the_walls,
+    thinned,
+    ties,
+    unique_edges,
+)
 
 MOST_VERTICES = 20_000
-# Points follow the boundary this much further off than a radius, so that chords between them are free.
-RING_OFFSET = 1.02
-RING_TOLERANCE = 0.012
 # The boundary is followed at no more distances than this in a crowd of mixed radii.
 MOST_RINGS = 5
 # Share of the wanted edge length that points of the fill keep from each other.
@@ -36,8 +40,6 @@ class SeedingMesh:
         vertices: (V, 2) in m.
         edges: (E, 2) vertex indices, rising within and between rows, each pair once.
         lengths: (E,) in m.
-        triangles: (F, 3) vertex indices; their sides are edges and they lie in the free space.
-        terminals: (P,) vertex of every exact point: for each agent start, waypoints, goal.
         vertex_clearance: (V,) distance to the walls in m, negative outside, inf in the open plane.
         edge_clearance: (E,) the same of whole edges.
     """
@@ -45,8 +47,6 @@ class SeedingMesh:
     vertices: FloatArray
     edges: IntArray
     lengths: FloatArray
-    triangles: IntArray
-    terminals: IntArray
     vertex_clearance: FloatArray
     edge_clearance: FloatArray
 
@@ -58,9 +58,11 @@ def build_seeding_mesh(scene: Scene, free_space: FreeSpace | None) -> SeedingMes
     would take too many vertices.
     """
     exact = np.array([point for agent in scene.agents for point in _stops(agent)]) + 0.0
-    places, terminals = np.unique(exact, axis=0, return_inverse=True)
+    places = np.unique(exact, axis=0)
     radii = np.unique([agent.radius for agent in scene.agents])
-    region = _open_region(places, float(radii[-1])) if free_space is None else free_space.polygon
+    region = box_around(places, 4.0 * float(radii[-1]))
+    if free_space is not None:
+        region = free_space.polygon
     spacing = _spacing(scene, region, float(radii[0]))
     own = _own_triangles(free_space)
     room = max(MOST_VERTICES, 2 * len(places))
@@ -68,14 +70,15 @@ def build_seeding_mesh(scene: Scene, free_space: FreeSpace | None) -> SeedingMes
     while len(vertices) > room:
         spacing *= 1.25
         vertices = _points(free_space, region, places, radii, own, spacing)
-    triangles = _delaunay(vertices)
-    edges = _sides(vertices, triangles)
+    edges = delaunay_edges(vertices)
     length = np.hypot(*(vertices[edges[:, 1]] - vertices[edges[:, 0]]).T)
     longest = LONGEST * max(spacing, 2 * float(radii[0]), region.length / (MOST_VERTICES / 4))
     edges = _kept(free_space, vertices, edges[length <= longest])
-    ties = _ties(vertices, edges, len(places))
-    if len(ties):
-        edges = _unique_edges(np.vstack([edges, _kept(free_space, vertices, ties)]))
+    # A place close to a wall may have all its neighbours behind it, and one very close to another
+    # vertex is left out of the triangulation.
+    degree = np.bincount(edges.ravel(), minlength=len(vertices))[: len(places)]
+    tied = unique_edges(ties(np.flatnonzero(degree == 0), vertices, TIES))
+    edges = unique_edges(np.vstack([edges, _kept(free_space, vertices, tied)]))
     step = vertices[edges[:, 1]] - vertices[edges[:, 0]]
     if free_space is None:
         vertex_clearance = np.full(len(vertices), np.inf)
@@ -87,8 +90,6 @@ def build_seeding_mesh(scene: Scene, free_space: FreeSpace | None) -> SeedingMes
         vertices=vertices,
         edges=edges,
         lengths=np.hypot(step[:, 0], step[:, 1]),
-        triangles=_inner_triangles(free_space, vertices, edges, triangles),
-        terminals=np.ravel(terminals).astype(np.int64),
         vertex_clearance=vertex_clearance,
         edge_clearance=edge_clearance,
     )
@@ -96,13 +97,6 @@ def build_seeding_mesh(scene: Scene, free_space: FreeSpace | None) -> SeedingMes
 
 def _stops(agent: Agent) -> list[tuple[float, float]]:
     return [agent.start, *agent.waypoints, agent.goal]
-
-
-def _open_region(places: FloatArray, radius: float) -> shapely.Geometry:
-    """A box around the places with room to evade."""
-    low, high = places.min(axis=0), places.max(axis=0)
-    room = 4 * radius + 0.1 * float((high - low).max())
-    return shapely.box(low[0] - room, low[1] - room, high[0] + room, high[1] + room)
 
 
 def _spacing(scene: Scene, region: shapely.Geometry, radius: float) -> float:
@@ -130,47 +124,19 @@ def _points(
     offers = [(places, 0.0)]
     if free_space is not None:
         for radius in radii[:: -(-len(radii) // MOST_RINGS)].tolist():
-            rings = _ring_points(region, radius, spacing)
-            offers.append((rings, 0.25 * min(radius, spacing)))
+            rings = rings_off_the_walls(region, radius)
+            length = sum(float(np.hypot(*np.diff(ring, axis=0).T).sum()) for ring in rings)
+            step = max(min(spacing, 2 * radius), length / (MOST_VERTICES / 4))
+            offers.append((points_of_rings(rings, step), 0.25 * min(radius, spacing)))
     if own is not None:
         offers.append((np.unique(own.reshape(-1, 2), axis=0), APART * spacing))
         offers.append((_bisected(own, spacing), APART * spacing))
     else:
-        offers.append((_hexagonal_points(region, spacing), APART * spacing))
+        offers.append((hexagonal_points(region, spacing), APART * spacing))
     if free_space is not None:
         offers[1:] = [(points[free_space.clearance(points) > 0], d) for points, d in offers[1:]]
     points = np.vstack([points for points, _ in offers])
-    return _thinned(points, np.concatenate([np.full(len(points), d) for points, d in offers]))
-
-
-def _hexagonal_points(region: shapely.Geometry, spacing: float) -> FloatArray:
-    """A hexagonal lattice inside `region`."""
-    left, bottom, right, top = region.bounds
-    rise = spacing * np.sqrt(0.75)
-    rows = np.arange(int((top - bottom) / rise) + 2)
-    pieces = []
-    columns = left + spacing * np.arange(int((right - left) / spacing) + 2)
-    shapely.prepare(region)
-    for row in rows.tolist():
-        x = columns + 0.5 * spacing * (row % 2)
-        y = np.full(len(x), bottom + row * rise)
-        inside = shapely.contains_xy(region, x, y)
-        pieces.append(np.column_stack([x[inside], y[inside]]))
-    return np.vstack(pieces)
-
-
-def _ring_points(region: shapely.Geometry, radius: float, spacing: float) -> FloatArray:
-    """Points that follow the boundary just over `radius` off it (m)."""
-    inner = eroded(region, radius * RING_OFFSET, join_style="mitre", mitre_limit=1.6)
-    inner = shapely.simplify(inner, RING_TOLERANCE * radius)
-    step = max(min(spacing, 2 * radius), float(inner.length) / (MOST_VERTICES / 4))
-    pieces = [np.empty((0, 2))]
-    for part in shapely.get_parts(inner):
-        for ring in () if part.is_empty else (part.exterior, *part.interiors):
-            for head, tail in pairwise(np.asarray(ring.coords)[:, :2]):
-                count = max(int(np.ceil(np.hypot(*(tail - head)) / step)), 1)
-                pieces.append(head + (tail - head) * (np.arange(count) / count)[:, None])
-    return np.vstack(pieces)
+    return thinned(points, np.concatenate([np.full(len(points), d) for points, d in offers]))
 
 
 def _bisected(triangles: FloatArray, spacing: float) -> FloatArray:
@@ -192,76 +158,9 @@ def _bisected(triangles: FloatArray, spacing: float) -> FloatArray:
     return np.vstack(pieces)
 
 
-def _thinned(points: FloatArray, apart: FloatArray) -> FloatArray:
-    """`points` in order, each left out that has a kept one before it nearer than its `apart` (m)."""
-    near = cKDTree(points).query_ball_point(points, apart, return_sorted=True)
-    kept = np.ones(len(points), dtype=bool)
-    for index in np.flatnonzero(apart > 0).tolist():
-        for other in near[index]:
-            if other >= index:
-                break
-            if kept[other]:
-                kept[index] = False
-                break
-    return points[kept]
-
-
-def _delaunay(points: FloatArray) -> IntArray:
-    """(F, 3) Delaunay triangles, none where all points lie on a line."""
-    if len(points) < 3:
-        return np.empty((0, 3), dtype=np.int64)
-    centre = (points.min(axis=0) + points.max(axis=0)) / 2
-    try:
-        triangles = Delaunay((points - centre) / np.ptp(points, axis=0).max()).simplices
-    except QhullError:
-        return np.empty((0, 3), dtype=np.int64)
-    triangles = np.sort(triangles, axis=1).astype(np.int64)
-    return np.unique(triangles, axis=0)
-
-
-def _sides(points: FloatArray, triangles: IntArray) -> IntArray:
-    """Edges of triangles; without any, of neighbours along the line on which all points lie."""
-    if not len(triangles):
-        order = np.lexsort((points[:, 1], points[:, 0]))
-        return _unique_edges(np.column_stack([order[:-1], order[1:]]))
-    return _unique_edges(triangles[:, [0, 1, 1, 2, 0, 2]].reshape(-1, 2))
-
-
-def _unique_edges(edges: IntArray) -> IntArray:
-    return np.unique(np.sort(edges.astype(np.int64), axis=1), axis=0).reshape(-1, 2)
-
-
 def _kept(free_space: FreeSpace | None, vertices: FloatArray, edges: IntArray) -> IntArray:
     """The edges that stay inside the free space."""
     if free_space is None:
         return edges
     room = free_space.segment_clearance(vertices[edges[:, 0]], vertices[edges[:, 1]])
     return edges[room > 0]
-
-
-def _ties(vertices: FloatArray, edges: IntArray, num_places: int) -> IntArray:
-    """Edges from places (the first vertices) that have none to the vertices nearest to them.
-
-    A place close to a wall may have all its neighbours behind it, and one very close to another
-    vertex is left out of the triangulation.
-    """
-    alone = np.flatnonzero(np.bincount(edges.ravel(), minlength=len(vertices))[:num_places] == 0)
-    if not len(alone) or len(vertices) < 2:
-        return np.empty((0, 2), dtype=np.int64)
-    near = cKDTree(vertices).query(vertices[alone], k=min(TIES + 1, len(vertices)))[1]
-    ties = np.column_stack([np.repeat(alone, near.shape[1]), near.ravel()])
-    return _unique_edges(ties[ties[:, 0] != ties[:, 1]])
-
-
-def _inner_triangles(
-    free_space: FreeSpace | None, vertices: FloatArray, edges: IntArray, triangles: IntArray
-) -> IntArray:
-    """The triangles whose three sides are edges and that hold no hole."""
-    code = edges[:, 0] * len(vertices) + edges[:, 1]
-    sides = triangles[:, [0, 1, 2]] * 0
-    for k, (i, j) in enumerate(((0, 1), (1, 2), (0, 2))):
-        sides[:, k] = triangles[:, i] * len(vertices) + triangles[:, j]
-    triangles = triangles[np.isin(sides, code).all(axis=1)]
-    if free_space is None or not len(triangles):
-        return triangles
-    return triangles[shapely.covers(free_space.polygon, shapely.polygons(vertices[triangles]))]

@@ -58,7 +58,7 @@ def sample_interactions() -> Interactions:
 
 # One tail only: two upright tails have no unique closest points when their feet are moved.
 RODS = Rods.build(LAYOUT, sample_knots(), np.array([2]), 12.0, 1.3)
-BOUNDARY = BoundaryGrid(np.hstack([CORNERS[EDGES[:, 0]], CORNERS[EDGES[:, 1]]]))
+BOUNDARY = BoundaryGrid.from_segments(np.hstack([CORNERS[EDGES[:, 0]], CORNERS[EDGES[:, 1]]]))
 WEIGHTS = np.array([2.0, 3.0, 0.7])
 # The penalty's aim lies below some of the vectors and above others.
 PROFILES = (LimitBarrier(0.7, 0.9), LimitBarrier(0.7, np.inf), LimitPenalty(1.3, 0.4))

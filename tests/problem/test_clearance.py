@@ -10,7 +10,6 @@ import shapely
 
 from stplan.arrays import FloatArray
 from stplan.geometry.rod_distances import rod_distance
-from stplan.geometry.segments import squared_distance
 from stplan.problem.clearance import crosses_boundary, rod_clearances, wall_clearance
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import held_requirement, requirement
@@ -19,6 +18,7 @@ from stplan.scene.model import PairRule, Weights
 from stplan.seeding.elastic_bands.band_neighbours import near_rows
 from stplan.seeding.shortcutting.rod_field import build_field, segment_clear
 from stplan.world import FreeSpace
+from tests.geometry.points import apart_squared
 from tests.seeding.families import agent, scene
 
 
@@ -57,7 +57,7 @@ def room(*holes: shapely.Polygon) -> FreeSpace:
 def brute_distance(first: FloatArray, second: FloatArray) -> float:
     """Over all pairs of segments."""
     return min(
-        float(np.sqrt(squared_distance(*first[i], *first[i + 1], *second[j], *second[j + 1])))
+        float(np.sqrt(apart_squared(first[i], first[i + 1], second[j], second[j + 1])))
         for i in range(len(first) - 1)
         for j in range(len(second) - 1)
     )
@@ -105,7 +105,7 @@ def test_near_rows_hold_every_near_segment() -> None:
     reach = (reach + reach.T) / 2
     movable = agents != 3
     for cell in (0.1, 1.0, 30.0):
-        rows, members = near_rows(points, segments, agents, movable, collides, reach, cell)
+        near = near_rows(points, segments, agents, movable, collides, reach, cell)
         for i in range(40):
             a = agents[i]
             expected = {
@@ -113,10 +113,12 @@ def test_near_rows_hold_every_near_segment() -> None:
                 for j in range(40)
                 if movable[i]
                 and collides[a, agents[j]]
-                and squared_distance(*points[segments[i]].ravel(), *points[segments[j]].ravel())
+                and apart_squared(*points[segments[i]], *points[segments[j]])
                 < reach[a, agents[j]] ** 2
             }
-            assert sorted(expected) == sorted(members[rows[i] : rows[i + 1]].tolist())
+            assert sorted(expected) == sorted(
+                near.members[near.rows[i] : near.rows[i + 1]].tolist()
+            )
 
 
 def test_a_tail_stands_where_a_vanishing_agent_does_not() -> None:

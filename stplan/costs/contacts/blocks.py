@@ -150,8 +150,8 @@ class DenseCoupling:
             slope = coefficients.slope[members]
             gradient = np.zeros((self.num_knots, 3))
             add_gradient(
-                contacts.points[members], measured.parameters[members], measured.normal[members],
-                slope / slope.sum(), axis_scale, gradient,
+                contacts.points[members], measured.at(members), slope / slope.sum(),
+                axis_scale, gradient,
             )  # fmt: skip
             part = gradient.ravel()[variables]
             values.append(coefficients.coupling[g] * part[i] * part[j])

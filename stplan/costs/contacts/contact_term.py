@@ -115,9 +115,8 @@ class ContactTerm(Term):
         term, at = self._at(knots)
         result = np.zeros_like(knots)
         add_gradient(
-            term.contacts.points, at.measured.parameters, at.measured.normal,
-            at.coefficients.slope, self._axis_scale, result,
-        )  # fmt: skip
+            term.contacts.points, at.measured, at.coefficients.slope, self._axis_scale, result
+        )
         return result
 
     def hessian_structure(self) -> Structure:
@@ -166,8 +165,7 @@ class ContactTerm(Term):
     def _blocks_values(self, at: _Evaluated, curvature: FloatArray, exact: bool) -> FloatArray:
         values = np.zeros(self._model.blocks.num_values)
         add_hessian(
-            at.positions, self.contacts.points, at.measured.distance, at.measured.parameters,
-            at.measured.normal, at.measured.free, at.coefficients.slope, curvature,
+            at.positions, self.contacts.points, at.measured, at.coefficients.slope, curvature,
             self._axis_scale, exact, self._places, self._model.blocks.dimension, values,
         )  # fmt: skip
         return values

@@ -18,10 +18,8 @@ from stplan.problem.layout import KnotLayout
 class EdgeSearch(Protocol):
     """Finds boundary edges near segments."""
 
-    def near(
-        self, starts: FloatArray, ends: FloatArray, reach: FloatArray
-    ) -> tuple[IntArray, IntArray]:
-        """Pairs (segment, edge), sorted, with every edge nearer than `reach` (S,) m among them."""
+    def near(self, starts: FloatArray, ends: FloatArray, reach: FloatArray) -> IntArray:
+        """Pairs (N, 2) of segment and edge, sorted, those nearer than `reach` (S,) m among them."""
         ...
 
 
@@ -31,13 +29,11 @@ class AllEdges:
 
     num_edges: int
 
-    def near(
-        self, starts: FloatArray, ends: FloatArray, reach: FloatArray
-    ) -> tuple[IntArray, IntArray]:
+    def near(self, starts: FloatArray, ends: FloatArray, reach: FloatArray) -> IntArray:
         """All pairs."""
         del ends, reach
         segments, edges = np.arange(len(starts)), np.arange(self.num_edges)
-        return np.repeat(segments, len(edges)), np.tile(edges, len(segments))
+        return np.column_stack([np.repeat(segments, len(edges)), np.tile(edges, len(segments))])
 
 
 @dataclass(frozen=True)
@@ -79,7 +75,7 @@ class WallCandidates:
 
     def find(self, knots: FloatArray, skin: float) -> ContactList:
         """Knots near edges and segments near corners."""
-        segment, edge = self._near(knots, skin)
+        segment, edge = self._near(knots, skin).T
         first = self.segments[segment]
         knot_edge = _unique_rows(np.concatenate([first, first + 1]), np.concatenate([edge, edge]))
         ends = self.edges[np.concatenate([edge, edge]), np.repeat([0, 1], len(edge))]
@@ -104,7 +100,7 @@ class WallCandidates:
         del moved
         return ContactSet.fresh(self, knots, old.skin)
 
-    def _near(self, knots: FloatArray, skin: float) -> tuple[IntArray, IntArray]:
+    def _near(self, knots: FloatArray, skin: float) -> IntArray:
         starts = np.ascontiguousarray(knots[self.segments, :2])
         ends = np.ascontiguousarray(knots[self.segments + 1, :2])
         reach = (self.reach + skin)[self.layout.agent_of_knot[self.segments]]

@@ -20,8 +20,9 @@ from stplan.costs.contacts.smooth_minimum import sharpened, weighing_reach
 from stplan.costs.contacts.wall_candidates import EdgeSearch, WallCandidates
 from stplan.costs.formulation import TermSetup
 from stplan.costs.registry import register
-from stplan.geometry.boundary_grid import BoundaryGrid, crossings
+from stplan.geometry.boundary_grid import BoundaryGrid
 from stplan.geometry.contacts import measure
+from stplan.geometry.crossings import crossings
 from stplan.nlp.term import Capability
 from stplan.problem.layout import KnotLayout
 
@@ -123,8 +124,8 @@ class Wall(ContactTerm):
     def _crosses(self, knots: FloatArray) -> bool:
         starts = np.ascontiguousarray(knots[self._segments, :2])
         ends = np.ascontiguousarray(knots[self._segments + 1, :2])
-        segment, edge = self._boundary.near(starts, ends, np.zeros(len(starts)))
-        return bool(crossings(starts, ends, segment, edge, self._boundary.edges).any())
+        near = self._boundary.near(starts, ends, np.zeros(len(starts)))
+        return bool(crossings(starts, ends, near, self._boundary.edges).any())
 
 
 def _own_blocks(segments: IntArray, num_knots: int) -> ContactBlocks:

@@ -1,14 +1,14 @@
-"""The strings of all agents as flat arrays, and the curves they start from.
+"""The elastic bands of all agents as flat arrays, and the curves they start from.
 
-Moving segments come first, then those of given paths, then the tails of agents that stay. All
+Moving segments come first, then those of prescribed paths, then the tails of agents that stay. All
 positions are in (x, y, c t), m.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,9 +20,8 @@ from stplan.seeding.elastic_bands.block_tridiagonal import FIXED, FREE, PINNED
 from stplan.seeding.shortcutting.resampling import resample_curve
 
 
-@dataclass(frozen=True)
-class Strings:
-    """Layout and positions; only `positions` changes.
+class Bands(NamedTuple):
+    """Layout and positions of A agents' bands; only `positions` changes.
 
     Attributes:
         positions: (P, 3) knots of the curves agent by agent, then the ends of the tails.
@@ -44,8 +43,8 @@ class Strings:
     num_moving: int
 
     @staticmethod
-    def build(problem: PlanningProblem, curves: Sequence[FloatArray]) -> Strings:
-        """Strings along `curves`, one an agent; given paths as they are."""
+    def build(problem: PlanningProblem, curves: Sequence[FloatArray]) -> Bands:
+        """Bands along `curves`, one an agent; prescribed paths as they are."""
         scale = np.array([1.0, 1.0, problem.time_scale])
         fixed = problem.prescribed
         count = np.array([len(curve) for curve in curves], dtype=np.int64)
@@ -60,7 +59,7 @@ class Strings:
         tail = np.concatenate([*(own + 1 for own in heads), count.sum() + np.arange(len(tails))])
         first_segment = np.zeros(len(curves), dtype=np.int64)
         first_segment[agents] = np.cumsum(count[agents] - 1) - (count[agents] - 1)
-        return Strings(
+        return Bands(
             positions=np.ascontiguousarray(np.vstack([curve * scale for curve in curves] + [ends])),
             hold=np.concatenate(
                 [_hold(problem, a, curve) for a, curve in enumerate(curves)]

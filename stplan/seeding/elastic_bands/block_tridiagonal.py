@@ -1,23 +1,60 @@
-"""Chains of 3x3 blocks: symmetric positive definite systems of one string, solved in place.
-
-`diagonal` (K, 3, 3) and `upper` (K, 3, 3), where upper[i] couples knots i and i + 1 and the last
-one is not used; `force` (K, 3) is the right-hand side.
-"""
+"""Chains of 3x3 blocks: symmetric positive definite systems of one elastic band, solved in place."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.compiled import kernel
+from stplan.compiled import inlined, inner
 
 # Knots: free, pinned in the plane but free in time, fixed.
 FREE, PINNED, FIXED = 0, 1, 2
 
 
-@kernel
-def hold_knots(hold: IntArray, diagonal: FloatArray, upper: FloatArray, force: FloatArray) -> None:
-    """Take the coordinates that may not move out of the system."""
+class Chain(NamedTuple):
+    """A block tridiagonal system of a chain of knots, with room for K of them.
+
+    Attributes:
+        diagonal: (K, 3, 3).
+        upper: (K, 3, 3) where upper[i] couples knots i and i + 1; the last one is not used.
+        force: (K, 3) right-hand side, and the solution in the end.
+        inverse: (K, 3, 3) working memory of the elimination.
+    """
+
+    diagonal: FloatArray
+    upper: FloatArray
+    force: FloatArray
+    inverse: FloatArray
+
+
+@inlined
+def make_chain(num_knots: int) -> Chain:
+    """Room for a chain of `num_knots`."""
+    return Chain(
+        np.empty((num_knots, 3, 3)),
+        np.empty((num_knots, 3, 3)),
+        np.empty((num_knots, 3)),
+        np.empty((num_knots, 3, 3)),
+    )
+
+
+@inlined
+def clear(chain: Chain, num_knots: int) -> None:
+    """Set the first `num_knots` rows of the system to zero."""
+    for i in range(num_knots):
+        for x in range(3):
+            chain.force[i, x] = 0.0
+            for y in range(3):
+                chain.diagonal[i, x, y] = 0.0
+                chain.upper[i, x, y] = 0.0
+
+
+@inner
+def hold_knots(hold: IntArray, chain: Chain) -> None:
+    """Take the coordinates that may not move out of the system of a chain of knots `hold` (n,)."""
+    diagonal, upper, force = chain.diagonal, chain.upper, chain.force
     for i in range(len(hold)):
         held = 0 if hold[i] == FREE else (2 if hold[i] == PINNED else 3)
         for x in range(held):
@@ -31,13 +68,12 @@ def hold_knots(hold: IntArray, diagonal: FloatArray, upper: FloatArray, force: F
             diagonal[i, x, x] = 1.0
 
 
-@kernel
-def solve(diagonal: FloatArray, upper: FloatArray, force: FloatArray) -> None:
-    """Solve the block tridiagonal system in place; `force` becomes the step."""
-    count = len(force)
-    inverse = np.empty((count, 3, 3))
+@inner
+def solve(chain: Chain, num_knots: int) -> None:
+    """Solve the system of the first `num_knots` knots in place; `force` becomes the solution."""
+    diagonal, upper, force, inverse = chain
     carry = np.empty((3, 3))
-    for i in range(count):
+    for i in range(num_knots):
         if i > 0:
             # carry = upper[i - 1]^T inverse[i - 1], the elimination of the knot before.
             for x in range(3):
@@ -52,10 +88,10 @@ def solve(diagonal: FloatArray, upper: FloatArray, force: FloatArray) -> None:
                         diagonal[i, x, y] -= carry[x, z] * upper[i - 1, z, y]
         _invert(diagonal[i], inverse[i])
     rest = np.empty(3)
-    for i in range(count - 1, -1, -1):
+    for i in range(num_knots - 1, -1, -1):
         for x in range(3):
             rest[x] = force[i, x]
-            if i < count - 1:
+            if i < num_knots - 1:
                 for y in range(3):
                     rest[x] -= upper[i, x, y] * force[i + 1, y]
         for x in range(3):
@@ -64,7 +100,7 @@ def solve(diagonal: FloatArray, upper: FloatArray, force: FloatArray) -> None:
             )
 
 
-@kernel
+@inlined
 def _invert(block: FloatArray, inverse: FloatArray) -> None:
     """Inverse of a symmetric positive definite 3x3 block."""
     a, b, c = block[0, 0], block[0, 1], block[0, 2]

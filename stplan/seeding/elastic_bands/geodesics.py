@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.geometry.boundary_grid import BoundaryGrid
-from stplan.geometry.rod_distances import grid_arrays, shortest_shortcut
+from stplan.geometry.wall_distances import shortest_shortcut
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import requirement
 from stplan.seeding.margins import margin_ladder
@@ -112,7 +112,7 @@ def _taut(walls: BoundaryGrid, way: FloatArray, radius: float) -> FloatArray:
 
 def _shortcut(walls: BoundaryGrid, way: FloatArray, radius: float) -> FloatArray:
     """The shortest polyline over knots of `way`, of pieces of it and of clear straight lines."""
-    knots = shortest_shortcut(np.ascontiguousarray(way), radius, *grid_arrays(walls))
+    knots = shortest_shortcut(np.ascontiguousarray(way), radius, walls)
     return way[knots]
 
 

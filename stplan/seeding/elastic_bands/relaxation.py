@@ -13,14 +13,20 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.arrays import BoolArray, FloatArray
 from stplan.problem.clearance import wall_clearance
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement
 from stplan.problem.verification import verify
-from stplan.seeding.elastic_bands.band_neighbours import near_rows, tight_pairs
-from stplan.seeding.elastic_bands.bands import Strings, initial_curves, may_slide
-from stplan.seeding.elastic_bands.sweeps import string_crosses, sweep_strings
+from stplan.seeding.elastic_bands.band_neighbours import Neighbours, near_rows, tight_pairs
+from stplan.seeding.elastic_bands.bands import Bands, initial_curves, may_slide
+from stplan.seeding.elastic_bands.sweeps import (
+    Contacts,
+    Pull,
+    WallContacts,
+    band_crosses,
+    sweep_bands,
+)
 from stplan.seeding.seeder import Attempt, SeedRecord
 
 NAME = "relaxation"
@@ -89,7 +95,7 @@ def relax(
         if stopped():
             break
     record = SeedRecord(sweeps=relaxation.sweeps, retensions=relaxation.retensions)
-    found = relaxation.strings.curves(problem)
+    found = relaxation.bands.curves(problem)
     return Attempt(NAME, found, clear=clear, record=record, touching=tuple(touching))
 
 
@@ -107,7 +113,7 @@ def _attainable(
 
 
 class _Relaxation:
-    """The strings, their neighbours and how far each one's tension has decayed."""
+    """The bands, their neighbours and how far each one's tension has decayed."""
 
     def __init__(
         self,
@@ -119,8 +125,8 @@ class _Relaxation:
         self.problem = problem
         self.required = required
         self.rng = rng
-        self.strings = Strings.build(problem, curves)
-        self.first_positions = self.strings.positions.copy()
+        self.bands = Bands.build(problem, curves)
+        self.first_positions = self.bands.positions.copy()
         self.movable = np.flatnonzero(~problem.prescribed)
         self.rod_target = AIM * required.rods
         heeds = problem.heeds_walls & (problem.boundary is not None)
@@ -135,27 +141,28 @@ class _Relaxation:
         self.fewest = np.inf
         self.ceilings = problem.time_scale * problem.max_times
         rises = problem.time_scale * (problem.preferred_times - problem.start_times)
-        self.rest_rises = np.where(may_slide(problem), rises / (self.strings.num_knots - 1), 0.0)
+        self.rest_rises = np.where(may_slide(problem), rises / (self.bands.num_knots - 1), 0.0)
         self._list_neighbours()
         self.guarded = self._clear_of_walls()
         self.tension = float(np.clip(TENSION_CROWDED * self._crowding(), TENSION, MOST_TENSION))
 
     def verified(self) -> bool:
         """Whether the curves are proven to hold what is required."""
-        return not verify(self.problem, self.strings.curves(self.problem), self.required)
+        return not verify(self.problem, self.bands.curves(self.problem), self.required)
 
     def sweep(self) -> None:
         """One sweep in random order; neighbours are listed anew when somebody has moved far."""
-        strings = self.strings
         grown = min(1.0, (self.sweeps + 1) / GROWING_SWEEPS)
         decayed = self.tension * DECAY ** np.maximum(self.age - HELD_SWEEPS, 0.0)
-        moved = sweep_strings(
-            self.rng.permutation(self.movable), strings.first_knot, strings.num_knots,
-            strings.positions, self.reference, strings.hold, self.ceilings, self.rest_rises,
-            np.maximum(decayed, LEAST_TENSION), self.problem.radii, self.sweeps > IDLE_SWEEPS,
-            strings.segments, strings.agents, strings.first_segment, strings.num_moving,
-            self.rows, self.members, grown * self.rod_target, self.share,
-            self.wall_rows, self.wall_members, self.edges, self.wall_target, self.guarded,
+        moved = sweep_bands(
+            self.rng.permutation(self.movable), self.bands, self.reference,
+            Pull(
+                np.maximum(decayed, LEAST_TENSION), self.rest_rises, self.ceilings,
+                self.problem.radii,
+            ),
+            Contacts(self.near, grown * self.rod_target, self.share),
+            WallContacts(self.near_walls, self.edges, self.wall_target, self.guarded),
+            self.sweeps > IDLE_SWEEPS,
         )  # fmt: skip
         if grown == 1.0:
             self.age += self.pace
@@ -166,11 +173,9 @@ class _Relaxation:
 
     def _crowding(self) -> float:
         """The part of their ways on which agents touch somebody at first, roughly."""
-        strings = self.strings
-        ends = strings.segments[: strings.num_moving]
-        length = np.linalg.norm(
-            strings.positions[ends[:, 1]] - strings.positions[ends[:, 0]], axis=1
-        )
+        bands = self.bands
+        ends = bands.segments[: bands.num_moving]
+        length = np.linalg.norm(bands.positions[ends[:, 1]] - bands.positions[ends[:, 0]], axis=1)
         touched = sum(2.0 * self.problem.distance[pair] for pair in self.stuck_pairs())
         return float(touched / max(float(length.sum()), 1e-12))
 
@@ -184,10 +189,9 @@ class _Relaxation:
 
     def stuck_pairs(self) -> list[tuple[int, int]]:
         """Pairs of agents a < b that are not clear, sorted."""
-        strings = self.strings
+        bands = self.bands
         found = tight_pairs(
-            strings.positions, strings.segments, strings.agents, self.rows, self.members,
-            self.required.rods,
+            bands.positions, bands.segments, bands.agents, self.near, self.required.rods
         )  # fmt: skip
         count = self.problem.num_agents
         codes = np.unique(found.min(axis=1) * count + found.max(axis=1))
@@ -197,7 +201,7 @@ class _Relaxation:
         return [(int(a), int(b)) for a, b in pairs]
 
     def retension_if_stuck(self, stuck: list[tuple[int, int]]) -> None:
-        """After long without fewer stuck pairs, pull their strings tight and knock one aside."""
+        """After long without fewer stuck pairs, pull their bands tight and knock one aside."""
         if len(stuck) < 0.9 * self.fewest:
             self.fewest = len(stuck)
             self.progress_at = self.sweeps
@@ -220,11 +224,11 @@ class _Relaxation:
 
     def _put_off(self, agent: int) -> None:
         """Aim at the latest arrival where the preferred one is earlier: its tail is in the way."""
-        problem, strings = self.problem, self.strings
+        problem, bands = self.problem, self.bands
         late = problem.preferred_times[agent] < problem.max_times[agent]
         if not late or not problem.stays[agent] or problem.prescribed[agent]:
             return
-        knots = strings.knots(agent)
+        knots = bands.knots(agent)
         rise = self.ceilings[agent] - knots[0, 2]
         knots[:, 2] = knots[0, 2] + (knots[:, 2] - knots[0, 2]) * (
             rise / (knots[-1, 2] - knots[0, 2])
@@ -232,76 +236,73 @@ class _Relaxation:
         self.rest_rises[agent] = rise / (len(knots) - 1)
 
     def _knock(self, agent: int) -> None:
-        """Push a part of a string (as it is, or as it was at first) aside by a radius or so."""
+        """Push a part of a band (as it is, or as it was at first) aside by a radius or so."""
         if self.problem.paths[agent] is not None:
             return
-        strings = self.strings
-        begin, count = strings.first_knot[agent], strings.num_knots[agent]
+        bands = self.bands
+        begin, count = bands.first_knot[agent], bands.num_knots[agent]
         own = slice(begin, begin + count)
         along = np.linspace(0.0, 1.0, count)
         for _ in range(5):
             middle, width = self.rng.uniform(0.1, 0.9), self.rng.choice([0.15, 0.3, 1.0])
             wave = np.sin(np.pi * along) * np.exp(-(((along - middle) / width) ** 2))
-            base = self.first_positions if self.rng.random() < 0.5 else strings.positions
+            base = self.first_positions if self.rng.random() < 0.5 else bands.positions
             aside = self.rng.normal(size=3) * self.problem.radii[agent] * KNOCK
-            knots = base[own] + np.where(strings.hold[own, None] == 0, wave[:, None] * aside, 0.0)
+            knots = base[own] + np.where(bands.hold[own, None] == 0, wave[:, None] * aside, 0.0)
             if (np.diff(knots[:, 2]) > 1e-3 * np.ptp(knots[:, 2]) / count).all() and not (
                 self.guarded[agent] and self._crosses(knots)
             ):
-                strings.positions[own] = knots
+                bands.positions[own] = knots
                 return
 
     def _crosses(self, knots: FloatArray) -> bool:
-        """Whether a string would cross any wall."""
+        """Whether a band would cross any wall."""
         if self.problem.boundary is None:
             return False
-        rows, members = self._wall_rows(knots[:-1, :2], knots[1:, :2], np.zeros(len(knots) - 1))
-        return bool(string_crosses(knots, 0, rows, members, self.edges))
+        near = self._wall_rows(knots[:-1, :2], knots[1:, :2], np.zeros(len(knots) - 1))
+        return band_crosses(knots, 0, near, self.edges)
 
     def _list_neighbours(self) -> None:
         """List segments and boundary edges that may come within their targets."""
-        strings, problem = self.strings, self.problem
-        self.reference = strings.positions.copy()
+        bands, problem = self.bands, self.problem
+        self.reference = bands.positions.copy()
         self.listed_at = self.sweeps
-        heads = strings.positions[strings.segments[:, 0]]
-        tails = strings.positions[strings.segments[:, 1]]
-        moving = np.arange(len(strings.segments)) < strings.num_moving
+        heads = bands.positions[bands.segments[:, 0]]
+        tails = bands.positions[bands.segments[:, 1]]
+        moving = np.arange(len(bands.segments)) < bands.num_moving
         # Tails are listed too: they push nothing, but may stand in the way of a given path.
-        asking = ~problem.prescribed[strings.agents]
+        asking = ~problem.prescribed[bands.agents]
         reach = self.rod_target + self.skin
         extent = np.abs(tails - heads).max(axis=1)
         cell = max(float(np.median(extent)), float(np.median(reach)))
-        self.rows, self.members = near_rows(
-            strings.positions, strings.segments, strings.agents, asking, problem.collides,
+        self.near = near_rows(
+            bands.positions, bands.segments, bands.agents, asking, problem.collides,
             reach, cell,
         )  # fmt: skip
         if problem.boundary is None:
             self.edges = np.zeros((0, 4))
-            self.wall_rows = np.zeros(len(heads) + 1, dtype=np.int64)
-            self.wall_members = np.zeros(0, dtype=np.int64)
+            self.near_walls = self._wall_rows(heads, tails, np.zeros(len(heads)))
         else:
             self.edges = problem.boundary.edges
             room = self.wall_target + np.maximum(self.skin, problem.radii)
-            self.wall_rows, self.wall_members = self._wall_rows(
-                heads[:, :2], tails[:, :2], np.where(moving, room[strings.agents], 0.0)
+            self.near_walls = self._wall_rows(
+                heads[:, :2], tails[:, :2], np.where(moving, room[bands.agents], 0.0)
             )
 
-    def _wall_rows(
-        self, heads: FloatArray, tails: FloatArray, reach: FloatArray
-    ) -> tuple[IntArray, IntArray]:
+    def _wall_rows(self, heads: FloatArray, tails: FloatArray, reach: FloatArray) -> Neighbours:
         """Boundary edges near every segment, as compressed rows."""
         if self.problem.boundary is None:
-            return np.zeros(len(heads) + 1, dtype=np.int64), np.zeros(0, dtype=np.int64)
-        segment, edge = self.problem.boundary.near(
-            np.ascontiguousarray(heads), np.ascontiguousarray(tails), reach
-        )
-        return np.searchsorted(segment, np.arange(len(heads) + 1)).astype(np.int64), edge
+            nobody = np.zeros(len(heads) + 1, dtype=np.int64)
+            return Neighbours(nobody, np.zeros(0, dtype=np.int64))
+        near = self.problem.boundary.near(heads, tails, reach)
+        rows = np.searchsorted(near[:, 0], np.arange(len(heads) + 1)).astype(np.int64)
+        return Neighbours(rows, np.ascontiguousarray(near[:, 1]))
 
     def _clear_of_walls(self) -> BoolArray:
-        """(A,) agents whose string crosses no wall at first: they are kept from doing so."""
+        """(A,) agents whose band crosses no wall at first: they are kept from doing so."""
         return np.array(
             [
-                bool(self.wall_target[a] > 0.0) and not self._crosses(self.strings.knots(a))
+                bool(self.wall_target[a] > 0.0) and not self._crosses(self.bands.knots(a))
                 for a in range(self.problem.num_agents)
             ]
         )

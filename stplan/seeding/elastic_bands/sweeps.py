@@ -1,23 +1,34 @@
-"""Compiled sweeps over elastic space-time strings: tension, contacts, walls, one solve an agent.
+"""Compiled sweeps over elastic bands in space-time: tension, contacts, walls, one solve an agent.
 
-An agent's string is a chain of knots in z = (x, y, c t). A sweep takes the agents in turn (Gauss-
+An agent's band is a chain of knots in z = (x, y, c t). A sweep takes the agents in turn (Gauss-
 Seidel) and minimises, with everybody else held still,
 
     1/2 w sum |z_{i+1} - z_i|^2 + 1/2 sum kappa (target - d)^2 + 1/2 |z - z_before|^2
 
 over the contacts closer than their target, linearised at the closest points. The Hessian is
-block tridiagonal with 3x3 blocks: `diagonal` (K, 3, 3) and `upper` (K, 3, 3), where upper[i]
-couples knots i and i + 1.
+block tridiagonal with 3x3 blocks (see `block_tridiagonal`).
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
-from stplan.compiled import kernel
-from stplan.geometry.segments import closest_parameters
-from stplan.seeding.elastic_bands.block_tridiagonal import hold_knots, solve
+from stplan.axes import TIME
+from stplan.compiled import inlined, inner, kernel
+from stplan.geometry.crossings import segments_cross
+from stplan.geometry.segments import Point, closest_parameters, plane_point, space_time_point
+from stplan.seeding.elastic_bands.band_neighbours import Neighbours
+from stplan.seeding.elastic_bands.bands import Bands
+from stplan.seeding.elastic_bands.block_tridiagonal import (
+    Chain,
+    clear,
+    hold_knots,
+    make_chain,
+    solve,
+)
 
 # Stiffness of a contact spring, with the proximal weight as 1; walls are stiffer, because they do
 # not give way.
@@ -30,104 +41,107 @@ LEAST_DURATION = 0.2
 TOUCHING = 1e-9
 
 
-@kernel
-def sweep_strings(
-    order: IntArray,
-    first_knot: IntArray,
-    num_knots: IntArray,
-    positions: FloatArray,
-    reference: FloatArray,
-    hold: IntArray,
-    ceilings: FloatArray,
-    rest_rises: FloatArray,
-    tension: FloatArray,
-    radii: FloatArray,
-    skip_idle: bool,
-    segments: IntArray,
-    agents: IntArray,
-    first_segment: IntArray,
-    num_moving: int,
-    rows: IntArray,
-    members: IntArray,
-    target: FloatArray,
-    share: FloatArray,
-    wall_rows: IntArray,
-    wall_members: IntArray,
-    edges: FloatArray,
-    wall_target: FloatArray,
-    guarded: BoolArray,
-) -> float:
-    """One sweep over the agents of `order`, in place; returns the largest move since `reference`.
+class Pull(NamedTuple):
+    """What every agent's band obeys on its own.
 
-    Args:
-        first_knot, num_knots: (A,) where an agent's knots are in `positions`.
-        positions: (P, 3) in (x, y, c t), m.
-        reference: (P, 3) where the neighbour rows were made.
-        hold: (P,) FREE, PINNED or FIXED.
-        ceilings: (A,) latest c t of a string's end, m.
+    Attributes:
+        tension: (A,) w.
         rest_rises: (A,) rise in c t that tension leaves a segment where the end may slide, m.
-        tension: (A,) w of every agent.
-        skip_idle: leave agents alone that touch nobody.
-        segments, agents: (S, 2) indices of knots and (S,) owners; the first `num_moving` move, and
-            an agent's own start at `first_segment` (A,).
-        rows, members: segments near every segment.
-        target: (A, A) distance that contact springs aim at, m.
+        ceilings: (A,) latest c t of a band's end, m.
+        radii: (A,) in m.
+    """
+
+    tension: FloatArray
+    rest_rises: FloatArray
+    ceilings: FloatArray
+    radii: FloatArray
+
+
+class Contacts(NamedTuple):
+    """Springs between bands.
+
+    Attributes:
+        near: segments near every segment.
+        target: (A, A) distance that springs aim at, m.
         share: (A, A) how much of a spring the first agent answers for; all of it where the other
             segment does not move.
-        wall_rows, wall_members, edges: boundary edges near every segment; (E, 4).
-        wall_target: (A,) distance to walls aimed at, m.
+    """
+
+    near: Neighbours
+    target: FloatArray
+    share: FloatArray
+
+
+class WallContacts(NamedTuple):
+    """Springs between bands and walls.
+
+    Attributes:
+        near: boundary edges near every segment.
+        edges: (E, 4) as x0, y0, x1, y1, m.
+        target: (A,) distance aimed at, m; 0 where an agent ignores walls.
         guarded: (A,) refuse steps through walls.
     """
-    moved = 0.0
-    for a in order:
-        begin = first_knot[a]
-        count = num_knots[a]
-        own = positions[begin : begin + count]
-        diagonal = np.zeros((count, 3, 3))
-        upper = np.zeros((count, 3, 3))
-        force = np.zeros((count, 3))
-        head = first_segment[a]
-        touching = _press_contacts(
-            own, head, positions, segments, agents, num_moving, rows, members, target[a], share[a],
-            diagonal, upper, force,
-        )  # fmt: skip
-        if wall_target[a] > 0.0:
-            touching += _press_walls(
-                own, head, wall_rows, wall_members, edges, wall_target[a], diagonal, upper, force
-            )
-        if skip_idle and touching == 0:
-            continue
-        _pull_string(own, tension[a], rest_rises[a], diagonal, upper, force)
-        hold_knots(hold[begin : begin + count], diagonal, upper, force)
-        solve(diagonal, upper, force)
-        _step(
-            own, force, LONGEST_STEP * radii[a], ceilings[a], head, guarded[a],
-            wall_rows, wall_members, edges,
-        )  # fmt: skip
-        for i in range(count):
-            gap = 0.0
-            for x in range(3):
-                gap += (own[i, x] - reference[begin + i, x]) ** 2
-            moved = max(moved, gap)
-    return float(np.sqrt(moved))
+
+    near: Neighbours
+    edges: FloatArray
+    target: FloatArray
+    guarded: BoolArray
 
 
 @kernel
-def _pull_string(
-    own: FloatArray,
-    tension: float,
-    rest_rise: float,
-    diagonal: FloatArray,
-    upper: FloatArray,
-    force: FloatArray,
-) -> None:
-    """Add tension and the proximal term (weight 1) of one string."""
+def sweep_bands(
+    order: IntArray,
+    bands: Bands,
+    reference: FloatArray,
+    pull: Pull,
+    contacts: Contacts,
+    walls: WallContacts,
+    skip_idle: bool,
+) -> float:
+    """One sweep over the agents of `order`, in place; returns the largest move since `reference`, m.
+
+    Args:
+        reference: (P, 3) positions where the neighbours were listed, m.
+        skip_idle: leave agents alone that touch nobody.
+    """
+    most = 0
+    for a in order:
+        most = max(most, bands.num_knots[a])
+    chain = make_chain(most)
+    moved = 0.0
+    for a in order:
+        begin = bands.first_knot[a]
+        count = bands.num_knots[a]
+        own = bands.positions[begin : begin + count]
+        clear(chain, count)
+        touching = _press_contacts(own, a, bands, contacts, chain)
+        if walls.target[a] > 0.0:
+            touching += _press_walls(own, a, bands, walls, chain)
+        if skip_idle and touching == 0:
+            continue
+        _pull_band(own, pull.tension[a], pull.rest_rises[a], chain)
+        hold_knots(bands.hold[begin : begin + count], chain)
+        solve(chain, count)
+        _step(own, chain, a, bands, pull, walls)
+        for i in range(count):
+            gap = 0.0
+            for x in range(own.shape[1]):
+                gap += (own[i, x] - reference[begin + i, x]) ** 2
+            moved = max(moved, gap)
+    return np.sqrt(moved)
+
+
+@inner
+def _pull_band(own: FloatArray, tension: float, rest_rise: float, chain: Chain) -> None:
+    """Add tension and the proximal term (weight 1) of one band."""
+    diagonal, upper, force = chain.diagonal, chain.upper, chain.force
+    last = own.shape[1] - 1
     for i in range(len(own)):
-        for x in range(3):
+        for x in range(last + 1):
             diagonal[i, x, x] += 1.0
     for i in range(len(own) - 1):
-        for x in range(3):
-            pull = tension * (own[i + 1, x] - own[i, x] - (rest_rise if x == 2 else 0.0))
+        for x in range(last + 1):
+            pull = tension * (own[i + 1, x] - own[i, x] - (rest_rise if x == last else 0.0))
             force[i, x] += pull
             force[i + 1, x] -= pull
             diagonal[i, x, x] += tension
@@ -135,48 +149,39 @@ def _pull_string(
             upper[i, x, x] -= tension
 
 
-@kernel
+@inner
 def _press_contacts(
-    own: FloatArray,
-    head: int,
-    positions: FloatArray,
-    segments: IntArray,
-    agents: IntArray,
-    num_moving: int,
-    rows: IntArray,
-    members: IntArray,
-    target: FloatArray,
-    share: FloatArray,
-    diagonal: FloatArray,
-    upper: FloatArray,
-    force: FloatArray,
+    own: FloatArray, agent: int, bands: Bands, contacts: Contacts, chain: Chain
 ) -> int:
     """Add the springs of every contact closer than its target; returns how many there are."""
+    diagonal, upper, force = chain.diagonal, chain.upper, chain.force
+    rows, members = contacts.near
+    head = bands.first_segment[agent]
     touching = 0
     normal = np.empty(3)
     for i in range(len(own) - 1):
+        p = space_time_point(own, i)
+        q = space_time_point(own, i + 1)
         for k in range(rows[head + i], rows[head + i + 1]):
             j = members[k]
-            other = agents[j]
-            u = positions[segments[j, 0]]
-            v = positions[segments[j, 1]]
-            s, t, squared = closest_parameters(
-                own[i, 0], own[i, 1], own[i, 2], own[i + 1, 0], own[i + 1, 1], own[i + 1, 2],
-                u[0], u[1], u[2], v[0], v[1], v[2],
-            )  # fmt: skip
-            if squared >= target[other] * target[other]:
+            other = bands.agents[j]
+            target = contacts.target[agent, other]
+            u = space_time_point(bands.positions, bands.segments[j, 0])
+            v = space_time_point(bands.positions, bands.segments[j, 1])
+            s, t, squared = closest_parameters(p, q, u, v)
+            if squared >= target * target:
                 continue
             touching += 1
             gap = np.sqrt(squared)
             if gap > TOUCHING:
                 for x in range(3):
-                    near = own[i, x] + s * (own[i + 1, x] - own[i, x])
+                    near = p[x] + s * (q[x] - p[x])
                     normal[x] = (near - u[x] - t * (v[x] - u[x])) / gap
             else:
-                _normal_of_crossing(own[i], own[i + 1], u, v, head < j, normal)
-            push = CONTACT_STIFFNESS * (target[other] - gap)
-            if j < num_moving:
-                push *= share[other]
+                _normal_of_crossing(p, q, u, v, head < j, normal)
+            push = CONTACT_STIFFNESS * (target - gap)
+            if j < bands.num_moving:
+                push *= contacts.share[agent, other]
             for x in range(3):
                 force[i, x] += push * (1.0 - s) * normal[x]
                 force[i + 1, x] += push * s * normal[x]
@@ -188,9 +193,9 @@ def _press_contacts(
     return touching
 
 
-@kernel
+@inlined
 def _normal_of_crossing(
-    p: FloatArray, q: FloatArray, u: FloatArray, v: FloatArray, first: bool, normal: FloatArray
+    p: Point, q: Point, u: Point, v: Point, first: bool, normal: FloatArray
 ) -> None:
     """A direction that parts two segments that meet, opposite for the two of them."""
     for x in range(3):
@@ -206,31 +211,29 @@ def _normal_of_crossing(
         normal[2] = 0.0
         length = np.sqrt(normal[0] ** 2 + normal[1] ** 2)
         if length <= TOUCHING:
-            normal[0], normal[1], length = sign, 0.0, 1.0
+            normal[0] = sign
+            normal[1] = 0.0
+            length = 1.0
     for x in range(3):
         normal[x] /= length
 
 
-@kernel
+@inner
 def _press_walls(
-    own: FloatArray,
-    head: int,
-    wall_rows: IntArray,
-    wall_members: IntArray,
-    edges: FloatArray,
-    target: float,
-    diagonal: FloatArray,
-    upper: FloatArray,
-    force: FloatArray,
+    own: FloatArray, agent: int, bands: Bands, walls: WallContacts, chain: Chain
 ) -> int:
     """Add springs of knots near edges and of edge ends near segments; returns how many."""
+    rows, members = walls.near
+    edges = walls.edges
+    target = walls.target[agent]
+    head = bands.first_segment[agent]
     touching = 0
     for i in range(len(own) - 1):
         ax, ay = own[i, 0], own[i, 1]
         ux, uy = own[i + 1, 0] - ax, own[i + 1, 1] - ay
         length = ux * ux + uy * uy
-        for k in range(wall_rows[head + i], wall_rows[head + i + 1]):
-            e = wall_members[k]
+        for k in range(rows[head + i], rows[head + i + 1]):
+            e = members[k]
             px, py = edges[e, 0], edges[e, 1]
             vx, vy = edges[e, 2] - px, edges[e, 3] - py
             # A knot against the edge: every knot but the first ends a segment. The edge's own
@@ -255,60 +258,54 @@ def _press_walls(
                 if gap >= target or gap < TOUCHING:
                     continue
                 touching += 1
-                x /= gap
-                y /= gap
-                push = WALL_STIFFNESS * (target - gap)
-                _add_plane_spring(diagonal[i], force[i], x, y, 1.0 - s, push)
-                _add_plane_spring(diagonal[i + 1], force[i + 1], x, y, s, push)
-                stiff = WALL_STIFFNESS * s * (1.0 - s)
-                upper[i, 0, 0] += stiff * x * x
-                upper[i, 0, 1] += stiff * x * y
-                upper[i, 1, 0] += stiff * x * y
-                upper[i, 1, 1] += stiff * y * y
+                _add_wall_spring(chain, i, s, x / gap, y / gap, target - gap)
     return touching
 
 
-@kernel
-def _add_plane_spring(
-    block: FloatArray, force: FloatArray, x: float, y: float, weight: float, push: float
-) -> None:
-    """Add one end of a wall spring with plane normal (x, y)."""
-    force[0] += push * weight * x
-    force[1] += push * weight * y
-    stiff = WALL_STIFFNESS * weight * weight
-    block[0, 0] += stiff * x * x
-    block[0, 1] += stiff * x * y
-    block[1, 0] += stiff * x * y
-    block[1, 1] += stiff * y * y
+@inner
+def _add_wall_spring(chain: Chain, i: int, s: float, x: float, y: float, depth: float) -> None:
+    """Add a spring with plane normal (x, y) at `s` of segment i, `depth` (m) within its target."""
+    for end in range(2):
+        weight = 1.0 - s if end == 0 else s
+        push = WALL_STIFFNESS * depth * weight
+        chain.force[i + end, 0] += push * x
+        chain.force[i + end, 1] += push * y
+        _add_outer(chain.diagonal, i + end, WALL_STIFFNESS * weight * weight, x, y)
+    _add_outer(chain.upper, i, WALL_STIFFNESS * s * (1.0 - s), x, y)
 
 
-@kernel
+@inlined
+def _add_outer(blocks: FloatArray, i: int, stiff: float, x: float, y: float) -> None:
+    """Add `stiff` times the outer product of (x, y) to the plane part of block i."""
+    blocks[i, 0, 0] += stiff * x * x
+    blocks[i, 0, 1] += stiff * x * y
+    blocks[i, 1, 0] += stiff * x * y
+    blocks[i, 1, 1] += stiff * y * y
+
+
+@inner
 def _step(
-    own: FloatArray,
-    step: FloatArray,
-    longest: float,
-    ceiling: float,
-    head: int,
-    guarded: bool,
-    wall_rows: IntArray,
-    wall_members: IntArray,
-    edges: FloatArray,
+    own: FloatArray, chain: Chain, agent: int, bands: Bands, pull: Pull, walls: WallContacts
 ) -> None:
-    """Move a string by `step`, shortened; time on its own where it would run back."""
+    """Move a band by the chain's solution, shortened; time on its own where it would run back."""
+    step = chain.force
     count = len(own)
-    before = own.copy()
+    before = np.empty_like(own)
     furthest = 0.0
     for i in range(count):
+        for x in range(own.shape[1]):
+            before[i, x] = own[i, x]
         furthest = max(furthest, step[i, 0] ** 2 + step[i, 1] ** 2 + step[i, 2] ** 2)
-    part = min(1.0, longest / np.sqrt(max(furthest, 1e-300)))
-    step[count - 1, 2] = min(step[count - 1, 2] * part, ceiling - before[count - 1, 2]) / part
-    least = LEAST_DURATION * (before[count - 1, 2] - before[0, 2]) / (count - 1)
+    part = min(1.0, LONGEST_STEP * pull.radii[agent] / np.sqrt(max(furthest, 1e-300)))
+    latest = pull.ceilings[agent] - before[count - 1, TIME]
+    step[count - 1, TIME] = min(step[count - 1, TIME] * part, latest) / part
+    least = LEAST_DURATION * (before[count - 1, TIME] - before[0, TIME]) / (count - 1)
     time_part = part
     for attempt in range(3):
         rising = True
         for i in range(count - 1):
-            old = before[i + 1, 2] - before[i, 2]
-            new = old + time_part * (step[i + 1, 2] - step[i, 2])
+            old = before[i + 1, TIME] - before[i, TIME]
+            new = old + time_part * (step[i + 1, TIME] - step[i, TIME])
             if new < min(least, old):
                 rising = False
                 break
@@ -316,35 +313,29 @@ def _step(
             break
         time_part = 0.25 * part if attempt == 0 else 0.0
     for i in range(count):
-        own[i, 2] = before[i, 2] + time_part * step[i, 2]
+        own[i, TIME] = before[i, TIME] + time_part * step[i, TIME]
+    head = bands.first_segment[agent]
     for _ in range(6):
         for i in range(count):
-            own[i, 0] = before[i, 0] + part * step[i, 0]
-            own[i, 1] = before[i, 1] + part * step[i, 1]
-        if not guarded or not string_crosses(own, head, wall_rows, wall_members, edges):
+            for x in range(own.shape[1] - 1):
+                own[i, x] = before[i, x] + part * step[i, x]
+        if not walls.guarded[agent] or not band_crosses(own, head, walls.near, walls.edges):
             return
         part *= 0.5
-    own[:] = before
+    for i in range(count):
+        for x in range(own.shape[1]):
+            own[i, x] = before[i, x]
 
 
 @kernel
-def string_crosses(
-    own: FloatArray, head: int, wall_rows: IntArray, wall_members: IntArray, edges: FloatArray
-) -> bool:
-    """Whether a string touches or crosses one of the edges listed for its segments."""
+def band_crosses(own: FloatArray, head: int, near: Neighbours, edges: FloatArray) -> bool:
+    """Whether a band (n, 3) touches or crosses an edge listed for its segments, from `head` on."""
     for i in range(len(own) - 1):
-        ax, ay, bx, by = own[i, 0], own[i, 1], own[i + 1, 0], own[i + 1, 1]
-        for k in range(wall_rows[head + i], wall_rows[head + i + 1]):
-            e = wall_members[k]
-            px, py, qx, qy = edges[e, 0], edges[e, 1], edges[e, 2], edges[e, 3]
-            if max(ax, bx) < min(px, qx) or min(ax, bx) > max(px, qx):
-                continue
-            if max(ay, by) < min(py, qy) or min(ay, by) > max(py, qy):
-                continue
-            side_p = (bx - ax) * (py - ay) - (by - ay) * (px - ax)
-            side_q = (bx - ax) * (qy - ay) - (by - ay) * (qx - ax)
-            side_a = (qx - px) * (ay - py) - (qy - py) * (ax - px)
-            side_b = (qx - px) * (by - py) - (qy - py) * (bx - px)
-            if side_p * side_q <= 0.0 and side_a * side_b <= 0.0:
+        for k in range(near.rows[head + i], near.rows[head + i + 1]):
+            e = near.members[k]
+            if segments_cross(
+                plane_point(own, i), plane_point(own, i + 1),
+                (edges[e, 0], edges[e, 1]), (edges[e, 2], edges[e, 3]),
+            ):  # fmt: skip
                 return True
     return False

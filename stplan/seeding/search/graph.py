@@ -7,37 +7,18 @@ an undirected edge, numbered 0..V+E-1; both directions of an edge share their di
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.compiled import kernel
+from stplan.geometry.grid import Grid, make_cells, make_grid
 
 UNREACHABLE = 1 << 29
 
 
-@dataclass(frozen=True)
-class Buckets:
-    """Square cells over the plane with the items whose middle lies in them (compressed rows).
-
-    Attributes:
-        corner: (2,) lower left corner of the cells (m).
-        size: side of a cell (m).
-        shape: (2,) number of cells in x and y.
-        offsets, items: items of cell ``ix * shape[1] + iy`` are
-            ``items[offsets[cell]:offsets[cell + 1]]``.
-    """
-
-    corner: FloatArray
-    size: float
-    shape: IntArray
-    offsets: IntArray
-    items: IntArray
-
-
-@dataclass(frozen=True)
-class Graph:
+class Graph(NamedTuple):
     """A plane graph with clearances.
 
     Attributes:
@@ -49,7 +30,7 @@ class Graph:
         length: (V + 2 E,) plane length of every move (m).
         out_offsets, out_moves: moves that leave a vertex, waits left out (compressed rows).
         in_offsets, in_moves: moves that enter a vertex, waits left out.
-        buckets: items by place.
+        middles: grid of the middles of all items in the plane.
     """
 
     vertices: FloatArray
@@ -62,7 +43,7 @@ class Graph:
     out_moves: IntArray
     in_offsets: IntArray
     in_moves: IntArray
-    buckets: Buckets
+    middles: Grid
 
     @property
     def num_vertices(self) -> int:
@@ -89,7 +70,7 @@ class Graph:
         """(V,) fewest `free` moves from every vertex to `goal`, or UNREACHABLE."""
         hops = np.full(self.num_vertices, UNREACHABLE, dtype=np.int64)
         if free[goal]:
-            _fill_hops(goal, self.in_offsets, self.in_moves, self.move_from, free, hops)
+            _fill_hops(goal, self, free, hops)
         return hops
 
 
@@ -118,7 +99,7 @@ def make_graph(vertices: FloatArray, edges: IntArray, clearance: FloatArray) -> 
         out_moves=out_moves + num_vertices,
         in_offsets=in_offsets,
         in_moves=in_moves + num_vertices,
-        buckets=_make_buckets(middles, float(np.median(walked)) if len(walked) else 1.0),
+        middles=_grid_of_points(middles, float(np.median(walked)) if len(walked) else 1.0),
     )
 
 
@@ -129,27 +110,14 @@ def _rows(keys: IntArray, num_rows: int) -> tuple[IntArray, IntArray]:
     return offsets, positions
 
 
-def _make_buckets(middles: FloatArray, size: float) -> Buckets:
-    """Buckets of `middles` (n, 2) with cells of about `size` (m), at most four an item."""
-    corner = middles.min(axis=0)
-    extent = middles.max(axis=0) - corner
-    size = max(size, float(np.sqrt(extent[0] * extent[1] / (4.0 * len(middles)))))
-    size = max(size, float(extent.max()) / (4.0 * len(middles)), 1e-9)
-    shape = (extent / size).astype(np.int64) + 1
-    cell = np.minimum(((middles - corner) / size).astype(np.int64), shape - 1)
-    offsets, items = _rows(cell[:, 0] * shape[1] + cell[:, 1], int(shape[0] * shape[1]))
-    return Buckets(corner, size, shape, offsets, items)
+def _grid_of_points(points: FloatArray, size: float) -> Grid:
+    """The grid of `points` (n, 2) with cells of about `size` (m), at most four a point."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    return make_grid(make_cells(low, high, size, 4.0 * len(points)), points, points)
 
 
 @kernel
-def _fill_hops(
-    goal: int,
-    in_offsets: IntArray,
-    in_moves: IntArray,
-    move_from: IntArray,
-    free: BoolArray,
-    hops: IntArray,
-) -> None:
+def _fill_hops(goal: int, graph: Graph, free: BoolArray, hops: IntArray) -> None:
     """Breadth-first search backwards from `goal`; `hops` comes filled with UNREACHABLE."""
     queue = np.empty(len(hops), np.int64)
     queue[0] = goal
@@ -159,38 +127,10 @@ def _fill_hops(
     while head < tail:
         vertex = queue[head]
         head += 1
-        for place in range(in_offsets[vertex], in_offsets[vertex + 1]):
-            move = in_moves[place]
-            source = move_from[move]
+        for place in range(graph.in_offsets[vertex], graph.in_offsets[vertex + 1]):
+            move = graph.in_moves[place]
+            source = graph.move_from[move]
             if free[move] and hops[source] == UNREACHABLE:
                 hops[source] = hops[vertex] + 1
                 queue[tail] = source
                 tail += 1
-
-
-@kernel
-def shortest_way(
-    start: int,
-    targets: IntArray,
-    hops: IntArray,
-    free: BoolArray,
-    out_offsets: IntArray,
-    out_moves: IntArray,
-    move_to: IntArray,
-) -> IntArray:
-    """Vertices of one way of fewest hops through `targets` (P,); `hops` (P, V) are still to go."""
-    last = len(targets) - 1
-    way = np.empty(hops[0, start] + 1, np.int64)
-    way[0] = start
-    vertex = start
-    leg = 0
-    for step in range(1, len(way)):
-        while leg < last and vertex == targets[leg]:
-            leg += 1
-        for place in range(out_offsets[vertex], out_offsets[vertex + 1]):
-            move = out_moves[place]
-            if free[move] and hops[leg, move_to[move]] < hops[leg, vertex]:
-                vertex = move_to[move]
-                break
-        way[step] = vertex
-    return way

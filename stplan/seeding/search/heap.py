@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from stplan.arrays import IntArray
-from stplan.compiled import kernel
+from stplan.compiled import inner
 
 
-@kernel
+@inner
 def push(heap: IntArray, size: int, key: int, state: int, count: int) -> None:
     """Add an entry to a binary heap of `size` entries (key, state, count), least key first."""
     place = size
@@ -22,7 +22,7 @@ def push(heap: IntArray, size: int, key: int, state: int, count: int) -> None:
     heap[place, 2] = count
 
 
-@kernel
+@inner
 def drop_root(heap: IntArray, size: int) -> None:
     """Remove the first entry of a binary heap of `size` entries."""
     size -= 1

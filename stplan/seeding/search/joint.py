@@ -11,13 +11,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
-from stplan.compiled import kernel
+from stplan.compiled import inlined, kernel
+from stplan.geometry.growable import with_room
 from stplan.problem.clearance import rod_clearances
-from stplan.seeding.search.graph import UNREACHABLE
+from stplan.seeding.search.graph import UNREACHABLE, Graph
 from stplan.seeding.search.heap import drop_root, push
 from stplan.seeding.search.planner import LayeredPlanner
 
@@ -89,12 +91,13 @@ def _joint_steps(
         step = graph.vertices[ends][:, None] - graph.vertices[ends][None]
         gap = np.hypot(step[..., 0], step[..., 1]) + np.diag(np.full(size, np.inf))
         apart = np.minimum(apart, gap * (1.0 - 1e-9))
-    steps, exhausted = _search(
+    members = Group(
         start, goal,
         np.stack([journeys.hops[agent][0] for agent in group]),
         np.stack([journeys.free[agent] for agent in group]),
-        apart, graph.vertices, graph.out_offsets, graph.out_moves, graph.move_to, MOST_EXPANSIONS,
+        apart,
     )  # fmt: skip
+    steps, exhausted = _search(members, graph, MOST_EXPANSIONS)
     return (steps if len(steps) > 1 else None), exhausted
 
 
@@ -152,7 +155,24 @@ def _with_others(
     return None
 
 
-@kernel
+class Group(NamedTuple):
+    """G agents whose moves are searched at once.
+
+    Attributes:
+        start, goal: (G,) vertices.
+        hops: (G, V) fewest hops to the goal.
+        free: (G, M) moves clear of the walls.
+        apart: (G, G) distances kept, m.
+    """
+
+    start: IntArray
+    goal: IntArray
+    hops: IntArray
+    free: BoolArray
+    apart: FloatArray
+
+
+@inlined
 def _least_gap(x0: float, y0: float, x1: float, y1: float) -> float:
     """Least squared length of a difference that moves straight from (x0, y0) to (x1, y1)."""
     dx = x1 - x0
@@ -163,33 +183,24 @@ def _least_gap(x0: float, y0: float, x1: float, y1: float) -> float:
         share = min(max(-(x0 * dx + y0 * dy) / square, 0.0), 1.0)
     x = x0 + share * dx
     y = y0 + share * dy
-    return float(x * x + y * y)
+    return x * x + y * y
 
 
 @kernel
-def _search(
-    start: IntArray,
-    goal: IntArray,
-    hops: IntArray,
-    free: BoolArray,
-    apart: FloatArray,
-    vertices: FloatArray,
-    out_offsets: IntArray,
-    out_moves: IntArray,
-    move_to: IntArray,
-    max_expansions: int,
-) -> tuple[IntArray, bool]:
+def _search(group: Group, graph: Graph, max_expansions: int) -> tuple[IntArray, bool]:
     """A* over joint states, fewest steps first: (n + 1, G) vertices, (0, G) if none were found.
 
     The second result says whether all states that can be reached were searched.
     """
+    start, goal, hops, free, apart = group
+    vertices = graph.vertices
     size = len(start)
     num_vertices = len(vertices)
     parent = np.full(num_vertices**size, -1, np.int64)
     steps = np.full(num_vertices**size, 1 << 30, np.int32)
     heap = np.empty((1 << 16, 3), np.int64)
-    here = start.copy()
-    after = start.copy()
+    here = np.empty(size, np.int64)
+    after = np.empty(size, np.int64)
     place = np.empty(size, np.int64)
     origin = 0
     final = 0
@@ -225,7 +236,7 @@ def _search(
             code //= num_vertices
         # An odometer over the moves of all agents; place offsets - 1 stands for waiting.
         for agent in range(size):
-            place[agent] = out_offsets[here[agent]] - 1
+            place[agent] = graph.out_offsets[here[agent]] - 1
         agent = 0
         while agent >= 0:
             if agent == size:
@@ -239,24 +250,21 @@ def _search(
                 if count + 1 < steps[code]:
                     steps[code] = count + 1
                     parent[code] = state
-                    if entries == len(heap):
-                        larger = np.empty((2 * len(heap), 3), np.int64)
-                        larger[:entries] = heap
-                        heap = larger
+                    heap = with_room(heap, entries + 1)
                     push(heap, entries, ((count + 1 + to_go) << 24) + total, code, count + 1)
                     entries += 1
                 agent -= 1
                 continue
-            if place[agent] >= out_offsets[here[agent] + 1]:
-                place[agent] = out_offsets[here[agent]] - 1
+            if place[agent] >= graph.out_offsets[here[agent] + 1]:
+                place[agent] = graph.out_offsets[here[agent]] - 1
                 agent -= 1
                 continue
-            waits = place[agent] < out_offsets[here[agent]]
-            move = here[agent] if waits else out_moves[place[agent]]
+            waits = place[agent] < graph.out_offsets[here[agent]]
+            move = here[agent] if waits else graph.out_moves[place[agent]]
             place[agent] += 1
             if not free[agent, move]:
                 continue
-            after[agent] = move_to[move]
+            after[agent] = graph.move_to[move]
             if hops[agent, after[agent]] >= UNREACHABLE:
                 continue
             clear = True

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from stplan.arrays import BoolArray, FloatArray, IntArray
-from stplan.compiled import kernel
+from stplan.arrays import FloatArray, IntArray
+from stplan.compiled import inlined, kernel
 from stplan.seeding.search.graph import UNREACHABLE, Graph
+from stplan.seeding.search.journey import Journey, Window
 from stplan.seeding.search.reservations import CountArray
 
 HARD = np.inf
@@ -19,31 +20,22 @@ HARD = np.inf
 
 def cheapest_path(
     graph: Graph,
-    start: int,
-    targets: IntArray,
-    hops: IntArray,
-    free: BoolArray,
+    journey: Journey,
+    window: Window,
     table: CountArray,
     cost: FloatArray,
-    *,
-    first_layer: int,
-    last_layer: int,
     penalty: float = HARD,
-    stays: bool,
 ) -> IntArray | None:
-    """Vertices at layers `first_layer`, ... of the cheapest way through the layers, or None.
-
-    Arguments are those of `SafeIntervalSearch.path`, and besides:
+    """Vertices at layers `window.first`, ... of the cheapest way through the layers, or None.
 
     Args:
+        window: whose departure is not heeded.
+        table: (M, L) counts of blocking rods.
         cost: (M,) cost of every move.
         penalty: cost of each blocking rod of a move; HARD forbids blocked moves.
     """
     layered = np.ascontiguousarray(table.T)
-    path = _cheapest(
-        start, targets, hops, free, layered, cost, first_layer, last_layer, penalty, stays,
-        graph.out_offsets, graph.out_moves, graph.move_to,
-    )  # fmt: skip
+    path = _cheapest(journey, window, graph, layered, cost, penalty)
     return path if len(path) else None
 
 
@@ -52,7 +44,7 @@ def space_time_length(graph: Graph, height: float) -> FloatArray:
     return np.hypot(graph.length, height)
 
 
-@kernel
+@inlined
 def _price(count: int, penalty: float) -> float:
     """Cost of a move blocked by `count` rods."""
     return count * penalty if count > 0 else 0.0
@@ -60,21 +52,16 @@ def _price(count: int, penalty: float) -> float:
 
 @kernel
 def _cheapest(
-    start: int,
-    targets: IntArray,
-    hops: IntArray,
-    free: BoolArray,
+    journey: Journey,
+    window: Window,
+    graph: Graph,
     layered: CountArray,
     cost: FloatArray,
-    first_layer: int,
-    last_layer: int,
     penalty: float,
-    stays: bool,
-    out_offsets: IntArray,
-    out_moves: IntArray,
-    move_to: IntArray,
 ) -> IntArray:
     """The cheapest path, empty if there is none; `layered` (L, M) is the transposed table."""
+    start, targets, hops, free = journey
+    first_layer, last_layer = window.first, window.last
     num_layers = len(layered)
     num_legs, num_vertices = hops.shape
     nothing = np.empty(0, np.int64)
@@ -87,7 +74,7 @@ def _cheapest(
     final = (num_legs - 1) * num_vertices + goal
     # What staying on the goal from a layer on costs.
     tail = np.zeros(num_layers + 1)
-    if stays:
+    if window.stays:
         for layer in range(num_layers - 1, -1, -1):
             tail[layer] = tail[layer + 1] + _price(layered[layer, goal], penalty)
     span = last_layer - first_layer
@@ -108,11 +95,11 @@ def _cheapest(
             if here[state] + hops[leg, vertex] * cheapest_move >= best:
                 continue
             # The wait is the move before the first walk.
-            for place in range(out_offsets[vertex] - 1, out_offsets[vertex + 1]):
-                move = vertex if place < out_offsets[vertex] else out_moves[place]
+            for place in range(graph.out_offsets[vertex] - 1, graph.out_offsets[vertex + 1]):
+                move = vertex if place < graph.out_offsets[vertex] else graph.out_moves[place]
                 if not free[move]:
                     continue
-                other = move_to[move]
+                other = graph.move_to[move]
                 total = here[state] + cost[move] + _price(layered[layer, move], penalty)
                 next_leg = leg
                 while next_leg < num_legs - 1 and other == targets[next_leg]:

@@ -13,7 +13,8 @@ import numpy as np
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement
-from stplan.seeding.search.graph import UNREACHABLE, Graph, shortest_way
+from stplan.seeding.search.graph import UNREACHABLE, Graph
+from stplan.seeding.search.journey import Journey, Window, shortest_way
 from stplan.seeding.search.layered_dijkstra import cheapest_path
 from stplan.seeding.search.reservations import (
     MEMORY_LIMIT,
@@ -73,6 +74,10 @@ class Journeys:
             ],
             dtype=np.int64,
         )
+
+    def of(self, agent: int) -> Journey:
+        """Where one agent has to go."""
+        return Journey(self.start[agent], self.targets[agent], self.hops[agent], self.free[agent])
 
     def stranded(self) -> list[int]:
         """Agents whose start and goal are not connected."""
@@ -185,33 +190,18 @@ class LayeredPlanner:
         early = self.problem.start_times[agent] < self.grid.instant(first) - 1e-9 * self.grid.step
         if early and first > 0 and table[self.journeys.start[agent], first - 1] > 0:
             return None
-        return self.search.path(
-            self.journeys.start[agent],
-            self.journeys.targets[agent],
-            self.journeys.hops[agent],
-            self.journeys.free[agent],
-            table,
-            first_layer=first,
-            last_layer=last,
-            departure=first + departure,
-            stays=bool(self.problem.stays[agent]),
-        )
+        window = Window(first, last, bool(self.problem.stays[agent]), first + departure)
+        return self.search.path(self.journeys.of(agent), window, table)
 
     def cheapest_path(self, agent: int, cost: FloatArray, penalty: float) -> IntArray | None:
         """Like `path`, of least `cost` (M,), passing through rods at a `penalty` each."""
-        return cheapest_path(
-            self.graph,
-            self.journeys.start[agent],
-            self.journeys.targets[agent],
-            self.journeys.hops[agent],
-            self.journeys.free[agent],
-            self.reservations.tables[self.class_of[agent]],
-            cost,
-            first_layer=int(self.first[agent]),
-            last_layer=int(self.last[agent]),
-            penalty=penalty,
-            stays=bool(self.problem.stays[agent]),
+        window = Window(
+            int(self.first[agent]), int(self.last[agent]), bool(self.problem.stays[agent])
         )
+        return cheapest_path(
+            self.graph, self.journeys.of(agent), window,
+            self.reservations.tables[self.class_of[agent]], cost, penalty,
+        )  # fmt: skip
 
     def curve(self, agent: int, path: IntArray) -> FloatArray:
         """The world line (n, 3) of a path, waits joined to one segment."""
@@ -297,9 +287,6 @@ def busiest_place(problem: PlanningProblem, graph: Graph, journeys: Journeys) ->
     visits = np.zeros(int(square_of.max()) + 1, dtype=np.int64)
     for agent in np.flatnonzero(~problem.prescribed):
         if journeys.distance[agent] < UNREACHABLE:
-            way = shortest_way(
-                journeys.start[agent], journeys.targets[agent], journeys.hops[agent],
-                journeys.free[agent], graph.out_offsets, graph.out_moves, graph.move_to,
-            )  # fmt: skip
+            way = shortest_way(journeys.of(int(agent)), graph)
             visits[np.unique(square_of[way])] += 1
     return int(visits.max())

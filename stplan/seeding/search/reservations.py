@@ -9,13 +9,16 @@ added to or removed from a table of counts in well under a millisecond.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stplan.arrays import FloatArray, IntArray
-from stplan.compiled import kernel
-from stplan.geometry.segments import squared_distance
+from stplan.arrays import FloatArray
+from stplan.compiled import inlined, inner, kernel
+from stplan.geometry.grid import cells_of_box, make_query
+from stplan.geometry.growable import with_room
+from stplan.geometry.segments import Point, plane_point, space_time_point, squared_distance
 from stplan.seeding.search.graph import Graph
 
 CountArray = NDArray[np.uint16]
@@ -25,6 +28,8 @@ BlockArray = NDArray[np.int32]
 MEMORY_LIMIT = 500_000_000
 # Moves exactly as far as required are blocked, whatever the rounding.
 TOUCHING = 1.0 + 4e-9
+# Room for so many blocks at first.
+FIRST_BLOCKS = 4096
 
 
 @dataclass(frozen=True)
@@ -62,25 +67,13 @@ class Reservations:
         self.tables: list[CountArray] = [
             np.zeros((graph.num_moves, grid.count), dtype=np.uint16) for _ in range(num_classes)
         ]
-        self._found: BlockArray = np.empty((1 << 16, 3), dtype=np.int32)
-        # Rods are cut to pieces no longer than an edge, so that few cells are searched for each.
-        self._piece = max(graph.longest_edge, graph.buckets.size)
 
     def blocks(self, rod: FloatArray, distance: float) -> BlockArray:
         """(n, 3) of (move, first, last layer) nearer than `distance` to `rod` (k, 3), all in m."""
-        buckets = self.graph.buckets
-        num_vertices = self.graph.num_vertices
-        while True:
-            count = _find_blocks(
-                rod, distance * TOUCHING, self.grid.time_scale * self.grid.begin, self.grid.height,
-                self.grid.count, self._piece, self.graph.vertices, self.graph.edges,
-                self.graph.length[num_vertices:], self.graph.longest_edge / 2,
-                buckets.corner, buckets.size, buckets.shape, buckets.offsets, buckets.items,
-                self._found,
-            )  # fmt: skip
-            if count >= 0:
-                return self._found[:count].copy()
-            self._found = np.empty((4 * len(self._found), 3), dtype=np.int32)
+        grid = self.grid
+        layers = Layers(grid.time_scale * grid.begin, grid.height, grid.count)
+        longest = self.graph.longest_edge
+        return _find_blocks(rod, distance * TOUCHING, layers, self.graph, longest).copy()
 
     def add(self, class_index: int, blocks: BlockArray) -> None:
         """Count `blocks` once more for a class."""
@@ -110,107 +103,93 @@ def _change(table: CountArray, blocks: BlockArray, by: int) -> None:
             table[move, layer] = np.uint16(np.int64(table[move, layer]) + by)
 
 
+class Layers(NamedTuple):
+    """Layers of time as heights.
+
+    Attributes:
+        base: c times the instant of layer 0, m.
+        height: c times the step, m.
+        total: how many there are.
+    """
+
+    base: float
+    height: float
+    total: int
+
+
 @kernel
 def _find_blocks(
-    rod: FloatArray,
-    distance: float,
-    base: float,
-    height: float,
-    num_layers: int,
-    piece: float,
-    vertices: FloatArray,
-    edges: IntArray,
-    walked_length: FloatArray,
-    longest_half: float,
-    corner: FloatArray,
-    cell: float,
-    shape: IntArray,
-    offsets: IntArray,
-    items: IntArray,
-    found: BlockArray,
-) -> int:
-    """Fill `found` with all blocked moves of all segments; their number, or -1 if it is full."""
-    num_vertices = len(vertices)
-    num_edges = len(edges)
+    rod: FloatArray, distance: float, layers: Layers, graph: Graph, longest_edge: float
+) -> BlockArray:
+    """(n, 3) blocked moves of all segments of a rod, with their first and last layers."""
+    middles = graph.middles
+    query = make_query(middles.cells)
+    # Rods are cut to pieces no longer than an edge, so that few cells are searched for each.
+    longest = max(longest_edge, middles.cells.size)
+    limit = distance * distance
+    found = np.empty((FIRST_BLOCKS, 3), np.int32)
     count = 0
     for segment in range(len(rod) - 1):
-        plane = np.hypot(
-            rod[segment + 1, 0] - rod[segment, 0], rod[segment + 1, 1] - rod[segment, 1]
-        )
-        parts = max(1, int(np.ceil(plane / piece - 1e-9)))
+        head, tail = space_time_point(rod, segment), space_time_point(rod, segment + 1)
+        plane = np.hypot(tail[0] - head[0], tail[1] - head[1])
+        parts = max(1, int(np.ceil(plane / longest - 1e-9)))
+        own = plane / parts / 2
         for part in range(parts):
-            near = part / parts
-            far = (part + 1) / parts
-            x0 = rod[segment, 0] + near * (rod[segment + 1, 0] - rod[segment, 0])
-            y0 = rod[segment, 1] + near * (rod[segment + 1, 1] - rod[segment, 1])
-            z0 = rod[segment, 2] + near * (rod[segment + 1, 2] - rod[segment, 2]) - base
-            x1 = rod[segment, 0] + far * (rod[segment + 1, 0] - rod[segment, 0])
-            y1 = rod[segment, 1] + far * (rod[segment + 1, 1] - rod[segment, 1])
-            z1 = rod[segment, 2] + far * (rod[segment + 1, 2] - rod[segment, 2]) - base
-            first = max(int(np.floor((z0 - distance) / height)), 0)
-            last = min(int(np.floor((z1 + distance) / height)), num_layers - 1)
+            p = _point_between(head, tail, part / parts, layers.base)
+            q = _point_between(head, tail, (part + 1) / parts, layers.base)
+            first = max(int(np.floor((p[2] - distance) / layers.height)), 0)
+            last = min(int(np.floor((q[2] + distance) / layers.height)), layers.total - 1)
             if first > last:
                 continue
-            mx = (x0 + x1) / 2
-            my = (y0 + y1) / 2
-            own = plane / parts / 2
-            reach = distance + own + longest_half
-            left = max(int(np.floor((mx - reach - corner[0]) / cell)), 0)
-            right = min(int(np.floor((mx + reach - corner[0]) / cell)), shape[0] - 1)
-            bottom = max(int(np.floor((my - reach - corner[1]) / cell)), 0)
-            top = min(int(np.floor((my + reach - corner[1]) / cell)), shape[1] - 1)
-            for column in range(left, right + 1):
-                row_start = offsets[column * shape[1] + bottom] if bottom <= top else 0
-                row_end = offsets[column * shape[1] + top + 1] if bottom <= top else 0
-                for place in range(row_start, row_end):
-                    item = items[place]
-                    if item < num_vertices:
-                        u = item
-                        v = item
-                        half = 0.0
-                    else:
-                        u = edges[item - num_vertices, 0]
-                        v = edges[item - num_vertices, 1]
-                        half = walked_length[item - num_vertices] / 2
-                    ux, uy = vertices[u, 0], vertices[u, 1]
-                    vx, vy = vertices[v, 0], vertices[v, 1]
-                    dx = (ux + vx) / 2 - mx
-                    dy = (uy + vy) / 2 - my
-                    span = distance + own + half
+            mx = (p[0] + q[0]) / 2
+            my = (p[1] + q[1]) / 2
+            reach = distance + own + longest_edge / 2
+            query.low[0], query.high[0] = mx - reach, mx + reach
+            query.low[1], query.high[1] = my - reach, my + reach
+            for r in range(cells_of_box(middles.cells, query)):
+                begin, past = middles.starts[query.runs[r, 0]], middles.starts[query.runs[r, 1]]
+                found = with_room(found, count + 2 * (past - begin))
+                for place in range(begin, past):
+                    item = middles.members[place]
+                    u = plane_point(graph.vertices, graph.move_from[item])
+                    v = plane_point(graph.vertices, graph.move_to[item])
+                    dx = (u[0] + v[0]) / 2 - mx
+                    dy = (u[1] + v[1]) / 2 - my
+                    span = distance + own + graph.length[item] / 2
                     if dx * dx + dy * dy > span * span:
                         continue
-                    plane_squared = squared_distance(
-                        ux, uy, 0.0, vx, vy, 0.0, x0, y0, 0.0, x1, y1, 0.0
-                    )
-                    if plane_squared > distance * distance:
+                    if squared_distance(u, v, (p[0], p[1]), (q[0], q[1])) > limit:
                         continue
-                    for way in range(1 if u == v else 2):
+                    for way in range(1 if item < len(graph.vertices) else 2):
                         if way == 1:
-                            ux, uy, vx, vy = vx, vy, ux, uy
+                            u, v = v, u
                         low = first
-                        while low <= last and (
-                            squared_distance(
-                                ux, uy, low * height, vx, vy, (low + 1) * height,
-                                x0, y0, z0, x1, y1, z1,
-                            )
-                            > distance * distance
-                        ):  # fmt: skip
+                        while low <= last and _squared_gap(u, v, low, layers, p, q) > limit:
                             low += 1
                         if low > last:
                             continue
                         high = last
-                        while high > low and (
-                            squared_distance(
-                                ux, uy, high * height, vx, vy, (high + 1) * height,
-                                x0, y0, z0, x1, y1, z1,
-                            )
-                            > distance * distance
-                        ):  # fmt: skip
+                        while high > low and _squared_gap(u, v, high, layers, p, q) > limit:
                             high -= 1
-                        if count >= len(found):
-                            return -1
-                        found[count, 0] = item + way * num_edges
+                        found[count, 0] = item + way * len(graph.edges)
                         found[count, 1] = low
                         found[count, 2] = high
                         count += 1
-    return count
+    return found[:count]
+
+
+@inlined
+def _point_between(head: Point, tail: Point, part: float, base: float) -> Point:
+    """The point at a part of the way from `head` to `tail`, heights from `base` on."""
+    return (
+        head[0] + part * (tail[0] - head[0]),
+        head[1] + part * (tail[1] - head[1]),
+        head[2] + part * (tail[2] - head[2]) - base,
+    )
+
+
+@inner
+def _squared_gap(u: Point, v: Point, layer: int, layers: Layers, p: Point, q: Point) -> float:
+    """Squared distance of the move from u to v in a layer to the segment p q, m^2."""
+    low, high = layer * layers.height, (layer + 1) * layers.height
+    return squared_distance((u[0], u[1], low), (v[0], v[1], high), p, q)

@@ -13,22 +13,32 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
-from scipy.spatial import Delaunay, QhullError, Voronoi, cKDTree
+from scipy.spatial import Voronoi, cKDTree
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.geometry.boundary_grid import BoundaryGrid
-from stplan.geometry.rod_distances import grid_arrays, least_wall_distances
+from stplan.geometry.wall_distances import least_wall_distances
 from stplan.seeding.search.graph import Graph, make_graph
+from stplan.world.erosion import eroded
+from stplan.world.sampling import (
+    along,
+    box_around,
+    delaunay_edges,
+    hexagonal_points,
+    inside,
+    points_of_rings,
+    rings_of,
+    rings_off_the_walls,
+    thinned,
+    ties,
+    unique_edges,
+)
 
 if TYPE_CHECKING:
     from stplan.world import FreeSpace, SeedingMesh
 
 # A graph with more vertices than this costs more in reservations than its resolution gains.
 MAX_VERTICES = 7000
-# Rings lie this much further off than the radius asked for, and are simplified by less, so that
-# every straight piece of a ring stays free.
-RING_OFFSET = 1.02
-RING_TOLERANCE = 0.012
 # More rings than this (of the radii of a mixed crowd) add vertices but hardly any passages.
 MAX_RINGS = 5
 # Edges longer than this many spacings are split: a hop takes one layer whatever its length.
@@ -41,6 +51,8 @@ SHAKE = 1e-6
 # Rounds in which ways through tight bends get a point more.
 BENDS = 2
 MAX_SAMPLES = 20000
+# Nearest vertices to which an exact point is tied, besides those of the triangulation.
+TIES = 11
 
 
 @dataclass(frozen=True)
@@ -50,12 +62,10 @@ class Roadmap:
     Attributes:
         graph: vertices, edges, clearances.
         place_of: (P,) vertex of every exact point it was built with.
-        spacing: distance of the hexagonal fill (m).
     """
 
     graph: Graph
     place_of: IntArray
-    spacing: float
 
 
 def build_roadmap(
@@ -78,7 +88,7 @@ def build_roadmap(
     # The exact coordinates, not the rounded ones: starts and goals are met to the last bit.
     places[place_of] = exact
     least = float(distinct[0])
-    region = _region(free_space, places, around)
+    region = box_around(places, around) if free_space is None else free_space.polygon
     area = max(float(region.area), least * least)
     # A little over the radius: on a lattice of just the radius, two spacings tie with two radii.
     spacing = max(1.02 * least, float(np.sqrt(area / (0.866 * MAX_VERTICES)))) / refine
@@ -97,7 +107,7 @@ def build_roadmap(
     )
     kept = clearance[len(vertices) :] > floor
     clearance = np.concatenate([clearance[: len(vertices)], clearance[len(vertices) :][kept]])
-    return Roadmap(make_graph(vertices, edges[kept], clearance), place_of, spacing)
+    return Roadmap(make_graph(vertices, edges[kept], clearance), place_of)
 
 
 def mesh_roadmap(mesh: SeedingMesh, exact: FloatArray) -> Roadmap:
@@ -105,16 +115,7 @@ def mesh_roadmap(mesh: SeedingMesh, exact: FloatArray) -> Roadmap:
     clearance = np.concatenate([mesh.vertex_clearance, mesh.edge_clearance])
     graph = make_graph(mesh.vertices, mesh.edges, clearance)
     place_of = cKDTree(mesh.vertices).query(exact)[1]
-    return Roadmap(graph, np.ravel(place_of).astype(np.int64), float(np.median(mesh.lengths)))
-
-
-def _region(free_space: FreeSpace | None, places: FloatArray, around: float) -> shapely.Geometry:
-    """The free space, or in the open plane a box around the places."""
-    if free_space is not None:
-        return free_space.polygon
-    low, high = places.min(axis=0), places.max(axis=0)
-    room = around + 0.1 * float((high - low).max())
-    return shapely.box(low[0] - room, low[1] - room, high[0] + room, high[1] + room)
+    return Roadmap(graph, np.ravel(place_of).astype(np.int64))
 
 
 def _vertices(
@@ -139,7 +140,8 @@ def _vertices(
     if medial is not None:
         step = max(1, -(-len(radii) // MAX_RINGS))
         for radius in radii[::step]:
-            offer(_ring_points(region, float(radius), spacing), 0.12 * min(spacing, least))
+            rings = rings_off_the_walls(region, float(radius))
+            offer(points_of_rings(rings, spacing), 0.12 * min(spacing, least))
         middles, room = medial
         narrow, tight = room < 1.1 * least, room < 1.3 * least
         offer(middles[narrow], 0.12 * min(spacing, least))
@@ -147,9 +149,9 @@ def _vertices(
         offer(middles[~tight], 0.45 * spacing)
     for reach in _halvings(spacing, least):
         offer(_star_points(region, places, reach), 0.45 * reach)
-    inner = region if medial is None else region.buffer(-least)
-    offer(_hexagonal_points(inner, spacing), 0.45 * spacing)
-    return _thin(np.vstack(points), np.concatenate(apart))
+    inner = region if medial is None else eroded(region, least, quad_segs=16)
+    offer(hexagonal_points(inner, spacing), 0.45 * spacing)
+    return thinned(np.vstack(points), np.concatenate(apart))
 
 
 def _halvings(spacing: float, least: float) -> list[float]:
@@ -166,55 +168,7 @@ def _star_points(region: shapely.Geometry, places: FloatArray, reach: float) -> 
     """Eight points `reach` (m) around every place, where they are in the region."""
     angle = np.arange(8) * (np.pi / 4)
     star = reach * np.column_stack([np.cos(angle), np.sin(angle)])
-    return _inside(region, (places[:, None, :] + star[None]).reshape(-1, 2))
-
-
-def _inside(region: shapely.Geometry, points: FloatArray) -> FloatArray:
-    """The `points` (n, 2) inside `region`."""
-    shapely.prepare(region)
-    kept: FloatArray = points[shapely.contains_xy(region, points[:, 0], points[:, 1])]
-    return kept
-
-
-def _hexagonal_points(region: shapely.Geometry, spacing: float) -> FloatArray:
-    """A hexagonal lattice inside `region`."""
-    if region.is_empty:
-        return np.empty((0, 2))
-    left, bottom, right, top = region.bounds
-    rise = spacing * np.sqrt(0.75)
-    rows = np.arange(int((top - bottom) / rise) + 2)
-    columns = np.arange(int((right - left) / spacing) + 2)
-    x = left + (columns[None, :] + 0.5 * (rows[:, None] % 2)) * spacing
-    y = np.broadcast_to(bottom + rows[:, None] * rise, x.shape)
-    return _inside(region, np.column_stack([x.ravel(), y.ravel()]))
-
-
-def _rings(area: shapely.Geometry) -> list[FloatArray]:
-    """Closed coordinate rings (n, 2) of all polygons of `area`."""
-    rings = []
-    for polygon in shapely.get_parts(area):
-        if isinstance(polygon, shapely.Polygon) and not polygon.is_empty:
-            for ring in (polygon.exterior, *polygon.interiors):
-                rings.append(np.asarray(ring.coords, dtype=np.float64)[:, :2])
-    return rings
-
-
-def _along(ring: FloatArray, step: float) -> FloatArray:
-    """Corners of a closed ring and points between them at most `step` (m) apart."""
-    steps = np.diff(ring, axis=0)
-    counts = np.maximum(np.ceil(np.hypot(steps[:, 0], steps[:, 1]) / step), 1.0).astype(np.int64)
-    order = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-    piece = np.repeat(np.arange(len(steps)), counts)
-    along: FloatArray = ring[piece] + steps[piece] * (order / counts[piece])[:, None]
-    return along
-
-
-def _ring_points(region: shapely.Geometry, radius: float, spacing: float) -> FloatArray:
-    """Points just over `radius` off the walls, all corners among them."""
-    inner = region.buffer(-radius * RING_OFFSET, join_style="mitre", mitre_limit=1.6)
-    inner = inner.simplify(RING_TOLERANCE * radius)
-    rings = [_along(ring, spacing) for ring in _rings(inner)]
-    return np.vstack(rings) if rings else np.empty((0, 2))
+    return inside(region, (places[:, None, :] + star[None]).reshape(-1, 2))
 
 
 def _medial_points(
@@ -226,15 +180,15 @@ def _medial_points(
     """
     perimeter = float(free_space.polygon.length)
     step = max(min(spacing, radius) / SAMPLES_PER_SPACING, perimeter / MAX_SAMPLES)
-    samples = np.vstack([_along(ring, step) for ring in _rings(free_space.polygon)])
+    samples = np.vstack([along(ring, step) for ring in rings_of(free_space.polygon)])
     samples = np.unique(samples, axis=0)
     # Of many points on common circles, as on a rectangle's sides, Qhull makes very large facets.
     samples += np.random.default_rng(0).uniform(-SHAKE * step, SHAKE * step, samples.shape)
-    points = _inside(free_space.polygon, Voronoi(samples).vertices)
+    points = inside(free_space.polygon, Voronoi(samples).vertices)
     room = _point_clearance(free_space, points)
     wide = points[room >= 1.5 * radius]
     tight = points[(room > 0.9 * radius) & (room < 1.5 * radius)]
-    tight = _thin(tight, np.full(len(tight), 0.08 * radius))
+    tight = thinned(tight, np.full(len(tight), 0.08 * radius))
     points = np.vstack([_centred(free_space, tight, step), wide])
     room = _point_clearance(free_space, points)
     return points[room > radius], room[room > radius]
@@ -252,12 +206,12 @@ def _centred(free_space: FreeSpace, points: FloatArray, reach: float) -> FloatAr
     away = points - (head + np.clip(along, 0.0, 1.0)[:, None] * (tail - head))
     away /= np.maximum(np.hypot(away[:, 0], away[:, 1]), 1e-12)[:, None]
     low, high = np.zeros(len(points)), np.full(len(points), reach)
-    grid = BoundaryGrid(segments)
+    grid = BoundaryGrid.from_segments(segments)
 
     def room(part: FloatArray) -> FloatArray:
         moved = points + part[:, None] * away
         # Moved by no more than the reach, nothing gets further off a wall than this.
-        return least_wall_distances(moved, moved, gap + 2.0 * reach, *grid_arrays(grid))
+        return least_wall_distances(moved, moved, gap + 2.0 * reach, grid)
 
     gap = float(_point_clearance(free_space, points).max())
     for _ in range(CENTRING_STEPS):
@@ -266,22 +220,6 @@ def _centred(free_space: FreeSpace, points: FloatArray, reach: float) -> FloatAr
         low, high = np.where(rises, first, low), np.where(rises, high, second)
     centred: FloatArray = points + ((low + high) / 2)[:, None] * away
     return centred
-
-
-def _thin(points: FloatArray, apart: FloatArray) -> FloatArray:
-    """`points` in order, each dropped when an earlier kept one is nearer than its `apart` (m)."""
-    if len(points) == 0:
-        return points
-    near = cKDTree(points).query_ball_point(points, apart, return_sorted=True)
-    alive = np.ones(len(points), dtype=bool)
-    for index, others in enumerate(near):
-        for other in others:
-            if other >= index:
-                break
-            if alive[other] and apart[index] > 0.0:
-                alive[index] = False
-                break
-    return points[alive]
 
 
 def _triangulate(
@@ -295,14 +233,14 @@ def _triangulate(
 
     The ties matter where a place lies against a wall and its Delaunay neighbours behind it.
     """
-    edges = _delaunay_edges(vertices)
+    edges = delaunay_edges(vertices)
     if free_space is not None and np.isfinite(radius):
         for _ in range(BENDS):
             grown = _bent(free_space, vertices, edges, radius)
             if len(grown) == len(vertices):
                 break
             vertices = grown
-            edges = _delaunay_edges(vertices)
+            edges = delaunay_edges(vertices)
     for _ in range(4):
         step = vertices[edges[:, 1]] - vertices[edges[:, 0]]
         long = edges[np.hypot(step[:, 0], step[:, 1]) > LONG_EDGE * spacing]
@@ -311,13 +249,15 @@ def _triangulate(
             break
         middles = (vertices[long[:, 0]] + vertices[long[:, 1]]) / 2
         apart = np.concatenate([np.zeros(len(vertices)), np.full(len(long), 0.45 * spacing)])
-        grown = _thin(np.vstack([vertices, middles]), apart)
+        grown = thinned(np.vstack([vertices, middles]), apart)
         if len(grown) == len(vertices):
             break
         vertices = grown
-        edges = _delaunay_edges(vertices)
-    ties = _ties(vertices, num_places, 3.0 * spacing)
-    return vertices, np.unique(np.sort(np.vstack([edges, ties]), axis=1), axis=0)
+        edges = delaunay_edges(vertices)
+    tied = ties(np.arange(num_places), vertices, TIES)
+    step = vertices[tied[:, 0]] - vertices[tied[:, 1]]
+    tied = tied[np.hypot(step[:, 0], step[:, 1]) < 3.0 * spacing]
+    return vertices, unique_edges(np.vstack([edges, tied]))
 
 
 def _bent(
@@ -331,29 +271,7 @@ def _bent(
     middles = _centred(free_space, ends.mean(axis=1), 0.3 * radius)
     middles = middles[_point_clearance(free_space, middles) > radius]
     apart = np.concatenate([np.zeros(len(vertices)), np.full(len(middles), 0.1 * radius)])
-    return _thin(np.vstack([vertices, middles]), apart)
-
-
-def _ties(vertices: FloatArray, num_places: int, reach: float) -> IntArray:
-    """(n, 2) edges from each of the first `num_places` vertices to the nearest within `reach` (m)."""
-    count = min(12, len(vertices))
-    near = cKDTree(vertices).query(vertices[:num_places], k=count)[1].reshape(num_places, -1)
-    ties = np.column_stack([np.repeat(np.arange(num_places), near.shape[1]), near.ravel()])
-    step = vertices[ties[:, 1]] - vertices[ties[:, 0]]
-    near_enough = (ties[:, 0] != ties[:, 1]) & (np.hypot(step[:, 0], step[:, 1]) < reach)
-    kept: IntArray = ties[near_enough].astype(np.int64)
-    return kept
-
-
-def _delaunay_edges(points: FloatArray) -> IntArray:
-    """(E, 2) edges of the Delaunay triangulation; neighbours along the line of collinear points."""
-    try:
-        triangles = Delaunay(points).simplices
-    except (QhullError, ValueError):
-        order = np.lexsort((points[:, 1], points[:, 0]))
-        return np.sort(np.column_stack([order[:-1], order[1:]]), axis=1).astype(np.int64)
-    pairs = np.vstack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    return np.unique(np.sort(pairs, axis=1), axis=0).astype(np.int64)
+    return thinned(np.vstack([vertices, middles]), apart)
 
 
 def _point_clearance(free_space: FreeSpace | None, points: FloatArray) -> FloatArray:

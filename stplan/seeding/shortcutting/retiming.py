@@ -1,12 +1,13 @@
-"""Compiled choice of knots of even durations along clear curves, in (x, y, c t)."""
+"""Compiled retiming: knots of even durations along clear curves, in (x, y, c t)."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
-from stplan.compiled import kernel
-from stplan.seeding.shortcutting.rod_field import RodField, enter, segment_clear
+from stplan.axes import TIME
+from stplan.compiled import inlined, inner, kernel
+from stplan.seeding.shortcutting.rod_field import RodField, segment_clear
 
 # Candidates lie this far apart in time, as a part of the mean duration.
 SPACING = 0.25
@@ -23,22 +24,24 @@ def even_knots(
     Knots are chosen among the candidates, at durations between `shortest` and `longest` times the
     mean, by dynamic programming on the sum of squared deviations from the mean; chords that are no
     piece of the old curve are asked for clearance. Knots on waypoints stay. Returns whether there
-    was a way; without one the curve is left as it is.
+    was a way; without one the curve is left as it is. The index of the field is not told.
     """
-    mean = (field.knots[agent, field.counts[agent] - 1, 2] - field.knots[agent, 0, 2]) / (
-        num_knots - 1
-    )
+    knots = field.knots[agent]
+    mean = (knots[field.counts[agent] - 1, TIME] - knots[0, TIME]) / (num_knots - 1)
     points, leaves, reaches, fixed = _candidates(field, agent, mean)
     count = len(points)
-    cost = np.full((count, num_knots), np.inf)
-    previous = np.full((count, num_knots), -1)
-    reached = np.zeros(count, np.bool_)
+    cost = np.empty((count, num_knots))
+    previous = np.empty((count, num_knots), np.int64)
+    reached = np.empty(count, np.bool_)
+    for i in range(count):
+        reached[i] = i == 0
+        for k in range(num_knots):
+            cost[i, k] = np.inf
     cost[0, 0] = 0.0
-    reached[0] = True
     for j in range(1, count):
         i = j - 1
-        while i >= 0 and points[j, 2] - points[i, 2] <= longest * mean:
-            duration = (points[j, 2] - points[i, 2]) / mean
+        while i >= 0 and points[j, TIME] - points[i, TIME] <= longest * mean:
+            duration = (points[j, TIME] - points[i, TIME]) / mean
             # On one segment of the old curve a chord is clear as it is.
             if (
                 reached[i]
@@ -47,8 +50,8 @@ def even_knots(
             ):
                 reached[j] = True
                 # Numbers of knots that durations allow before and after candidate i.
-                early = (points[i, 2] - points[0, 2]) / mean
-                late = (points[count - 1, 2] - points[i, 2]) / mean
+                early = (points[i, TIME] - points[0, TIME]) / mean
+                late = (points[count - 1, TIME] - points[i, TIME]) / mean
                 least = max(early / longest, num_knots - 1 - late / shortest)
                 most = min(early / shortest, num_knots - 1 - late / longest)
                 for k in range(max(int(least) - 1, 0), min(int(most) + 2, num_knots - 1)):
@@ -59,20 +62,20 @@ def even_knots(
             if fixed[i]:
                 break
             i -= 1
-    if not np.isfinite(cost[count - 1, num_knots - 1]):
+    if cost[count - 1, num_knots - 1] == np.inf:
         return False
     j = count - 1
     for k in range(num_knots - 1, -1, -1):
-        field.knots[agent, k] = points[j]
+        for x in range(knots.shape[1]):
+            knots[k, x] = points[j, x]
         field.pinned[agent, k] = fixed[j]
         if k > 0:
-            enter(field, agent, points[previous[j, k]], points[j])
             j = previous[j, k]
     field.counts[agent] = num_knots
     return True
 
 
-@kernel
+@inner
 def _candidates(
     field: RodField, agent: int, mean: float
 ) -> tuple[FloatArray, IntArray, IntArray, BoolArray]:
@@ -86,43 +89,49 @@ def _candidates(
     parts = np.empty(count - 1, np.int64)
     total = 1
     for i in range(count - 1):
-        parts[i] = max(int(np.round((knots[i + 1, 2] - knots[i, 2]) / (SPACING * mean))), 1)
+        duration = knots[i + 1, TIME] - knots[i, TIME]
+        parts[i] = max(int(np.rint(duration / (SPACING * mean))), 1)
         total += parts[i] + 3
     points = np.empty((total, 3))
     leaves = np.empty(total, np.int64)
     reaches = np.empty(total, np.int64)
-    fixed = np.zeros(total, np.bool_)
+    fixed = np.empty(total, np.bool_)
     at = 0
     for i in range(count - 1):
-        short = knots[i + 1, 2] - knots[i, 2] < SHORT * mean
+        short = knots[i + 1, TIME] - knots[i, TIME] < SHORT * mean
         corner = 0 < i < count - 2 and short
         for k in range(1 if corner else parts[i]):
-            for x in range(3):
+            for x in range(knots.shape[1]):
                 points[at, x] = knots[i, x] + (knots[i + 1, x] - knots[i, x]) * (k / parts[i])
             leaves[at] = i
             reaches[at] = i if k > 0 else i - 1
             fixed[at] = k == 0 and field.pinned[agent, i]
             at += 1
         if corner:
-            _corners(knots, i, points[at : at + 3])
+            _corners(knots, i, points, at)
             # Off the curve: no chord from or to them counts as clear unasked.
-            leaves[at : at + 3] = -1
-            reaches[at : at + 3] = count
+            for k in range(at, at + 3):
+                leaves[k] = -1
+                reaches[k] = count
+                fixed[k] = False
             at += 3
-    points[at] = knots[count - 1]
+    for x in range(knots.shape[1]):
+        points[at, x] = knots[count - 1, x]
     leaves[at] = count - 1
     reaches[at] = count - 2
+    fixed[at] = False
     return points[: at + 1], leaves, reaches, fixed
 
 
-@kernel
-def _corners(knots: FloatArray, i: int, points: FloatArray) -> None:
-    """Half-way in time on segment i: its neighbours prolonged, and the middle of the two."""
-    middle = 0.5 * (knots[i, 2] + knots[i + 1, 2])
-    before = (middle - knots[i - 1, 2]) / (knots[i, 2] - knots[i - 1, 2])
-    after = (middle - knots[i + 1, 2]) / (knots[i + 2, 2] - knots[i + 1, 2])
-    for x in range(2):
-        points[0, x] = knots[i - 1, x] + before * (knots[i, x] - knots[i - 1, x])
-        points[1, x] = knots[i + 1, x] + after * (knots[i + 2, x] - knots[i + 1, x])
-        points[2, x] = 0.5 * (points[0, x] + points[1, x])
-    points[:, 2] = middle
+@inlined
+def _corners(knots: FloatArray, i: int, points: FloatArray, at: int) -> None:
+    """Three points from `at` on, half-way in time on segment i: its neighbours prolonged, and between."""
+    middle = 0.5 * (knots[i, TIME] + knots[i + 1, TIME])
+    before = (middle - knots[i - 1, TIME]) / (knots[i, TIME] - knots[i - 1, TIME])
+    after = (middle - knots[i + 1, TIME]) / (knots[i + 2, TIME] - knots[i + 1, TIME])
+    for x in range(knots.shape[1] - 1):
+        points[at, x] = knots[i - 1, x] + before * (knots[i, x] - knots[i - 1, x])
+        points[at + 1, x] = knots[i + 1, x] + after * (knots[i + 2, x] - knots[i + 1, x])
+        points[at + 2, x] = 0.5 * (points[at, x] + points[at + 1, x])
+    for k in range(3):
+        points[at + k, TIME] = middle

@@ -1,7 +1,7 @@
-"""All rods at once, with an index that answers quickly whether a new segment would be clear.
+"""All rods at once, with an index (`Occupancy`) that answers quickly whether a new segment would be clear.
 
-The index is a uniform grid over (x, y, c t) whose cells list the agents whose rods pass through.
-Moves only add entries: one left behind costs a little time but never an answer. Positions are in
+The index lists in every cell of space-time the agents whose rods pass through. Entering a rod only adds
+to it: what an agent has left behind costs a little time but never an answer. Positions are in
 (x, y, c t), m.
 """
 
@@ -13,19 +13,38 @@ from typing import NamedTuple
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
-from stplan.compiled import kernel
-from stplan.geometry.rod_distances import clear_of_walls
-from stplan.geometry.segments import squared_distance
+from stplan.axes import TIME, in_metres, in_seconds
+from stplan.compiled import inlined, inner, kernel
+from stplan.geometry.boundary_grid import BoundaryGrid
+from stplan.geometry.grid import Cells, Query, cells_of_box, make_cells, make_query
+from stplan.geometry.growable import with_room
+from stplan.geometry.segments import Point, space_time_point, squared_distance
+from stplan.geometry.wall_distances import clear_of_walls
 from stplan.problem.clearance import STRICT
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement
 from stplan.seeding.elastic_bands.bands import waypoint_knots
 
-# Room for knots that moves add, and for entries of the index, over what the curves need at first.
+# Room for knots that moves add, over what the curves need at first.
 SPARE_KNOTS = 8
-SPARE_ENTRIES = 4
 # Cells for every segment of the curves, at most.
 CELLS_PER_SEGMENT = 8
+
+
+class Occupancy(NamedTuple):
+    """Which agents' rods pass through which cells, as linked lists that grow.
+
+    Attributes:
+        cells: where.
+        heads: (total,) first entry of every cell, -1 without any.
+        entries: (n, 2) agent, and the next entry of the same cell or -1.
+        used: (1,) entries in use.
+    """
+
+    cells: Cells
+    heads: IntArray
+    entries: IntArray
+    used: IntArray
 
 
 class RodField(NamedTuple):
@@ -35,13 +54,12 @@ class RodField(NamedTuple):
         knots: (A, K, 3), of which the first `counts` (A,) are in use.
         pinned: (A, K) knots on waypoints.
         tops: (A,) where an agent's tail ends, -inf without a tail.
-        required, walls: (A, A) and (A,) distances to exceed, m; negative where nothing is asked.
+        required, wall_gaps: (A, A) and (A,) distances to exceed, m; negative where nothing is asked.
         widest: (A,) largest distance an agent has to keep from anybody.
-        origin, cell, shape: corner (3,), side and numbers (3,) of the cells.
-        heads, links, tenants: linked lists of the agents in every cell.
-        used: (2,) entries in use, and whether they ran out (then nothing counts as clear).
+        occupancy: the index.
+        walls: none of them in the open plane.
+        query, wall_query: working memory of questions to the index and to the walls.
         stamps, clock: (A,), (1,) who was compared during the present question.
-        edges, wall_origin, wall_cell, wall_shape, wall_starts, wall_members: a `BoundaryGrid`.
     """
 
     knots: FloatArray
@@ -49,32 +67,23 @@ class RodField(NamedTuple):
     pinned: BoolArray
     tops: FloatArray
     required: FloatArray
-    walls: FloatArray
+    wall_gaps: FloatArray
     widest: FloatArray
-    origin: FloatArray
-    cell: float
-    shape: IntArray
-    heads: IntArray
-    links: IntArray
-    tenants: IntArray
-    used: IntArray
+    occupancy: Occupancy
+    walls: BoundaryGrid
+    query: Query
+    wall_query: Query
     stamps: IntArray
     clock: IntArray
-    edges: FloatArray
-    wall_origin: FloatArray
-    wall_cell: float
-    wall_shape: IntArray
-    wall_starts: IntArray
-    wall_members: IntArray
 
     def curve(self, problem: PlanningProblem, agent: int) -> FloatArray:
         """An agent's curve in (x, y, t), ends exact to the last bit."""
         path = problem.paths[agent]
         if path is not None:
             return path.copy()
-        curve = self.knots[agent, : self.counts[agent]] / [1.0, 1.0, problem.time_scale]
+        curve = in_seconds(self.knots[agent, : self.counts[agent]], problem.time_scale)
         curve[0] = [*problem.starts[agent], problem.start_times[agent]]
-        arrival = min(curve[-1, 2], problem.max_times[agent])
+        arrival = min(curve[-1, TIME], problem.max_times[agent])
         preferred = problem.preferred_times[agent]
         if abs(arrival - preferred) <= 1e-9 * abs(preferred):
             arrival = preferred
@@ -90,157 +99,142 @@ def build_field(
     knots = np.zeros((len(curves), max(int(counts.max()) + SPARE_KNOTS, room), 3))
     pinned = np.zeros(knots.shape[:2], dtype=bool)
     for agent, curve in enumerate(curves):
-        knots[agent, : len(curve)] = curve * [1.0, 1.0, problem.time_scale]
+        knots[agent, : len(curve)] = in_metres(curve, problem.time_scale)
         if problem.paths[agent] is None:
             pinned[agent, waypoint_knots(problem.waypoints[agent], curve)] = True
     top = problem.time_scale * problem.final_time
     wanted = np.where(problem.collides, required.rods * STRICT, -1.0)
     widest = wanted.max(axis=1)
     everything = np.vstack([knots[a, :n] for a, n in enumerate(counts)])
-    origin = everything.min(axis=0)
-    high = everything.max(axis=0)
-    high[2] = max(high[2], top)
+    low, high = everything.min(axis=0), everything.max(axis=0)
+    high[TIME] = max(high[TIME], top)
     num_segments = int(counts.sum())
-    cell = max(float(np.median(widest)), 1e-6 * float((high - origin).max()), 1e-9)
-    while True:
-        shape = ((high - origin) / cell).astype(np.int64) + 1
-        if shape.astype(float).prod() <= CELLS_PER_SEGMENT * num_segments + 64:
-            break
-        cell *= 1.26
+    size = max(float(np.median(widest)), 1e-6 * float((high - low).max()))
+    cells = make_cells(low, high, size, CELLS_PER_SEGMENT * num_segments + 64)
+    heeds = problem.heeds_walls & (problem.boundary is not None)
     walls = problem.boundary
+    if walls is None:
+        walls = BoundaryGrid.from_segments(np.empty((0, 4)))
     field = RodField(
         knots=knots,
         counts=counts,
         pinned=pinned,
         tops=np.where(problem.stays, top, -np.inf),
         required=wanted,
-        walls=np.where(problem.heeds_walls & (walls is not None), required.walls * STRICT, -1.0),
+        wall_gaps=np.where(heeds, required.walls * STRICT, -1.0),
         widest=widest,
-        origin=origin,
-        cell=cell,
-        shape=shape,
-        heads=np.full(int(shape.prod()), -1, dtype=np.int64),
-        links=np.empty(0, dtype=np.int64),
-        tenants=np.empty(0, dtype=np.int64),
-        used=np.zeros(2, dtype=np.int64),
+        occupancy=Occupancy(
+            cells=cells,
+            heads=np.full(cells.total, -1, dtype=np.int64),
+            entries=np.empty((8 * num_segments + 1024, 2), dtype=np.int64),
+            used=np.zeros(1, dtype=np.int64),
+        ),
+        walls=walls,
+        query=make_query(cells),
+        wall_query=make_query(walls.grid.cells),
         stamps=np.zeros(len(curves), dtype=np.int64),
         clock=np.zeros(1, dtype=np.int64),
-        edges=np.zeros((0, 4)) if walls is None else walls.edges,
-        wall_origin=np.zeros(2) if walls is None else walls.origin,
-        wall_cell=1.0 if walls is None else walls.cell,
-        wall_shape=np.ones(2, dtype=np.int64) if walls is None else walls.shape,
-        wall_starts=np.zeros(2, dtype=np.int64) if walls is None else walls.starts,
-        wall_members=np.zeros(0, dtype=np.int64) if walls is None else walls.members,
     )
-    entries = 8 * num_segments + 1024
-    while True:
-        field.heads.fill(-1)
-        field.used.fill(0)
-        field = field._replace(
-            links=np.empty(SPARE_ENTRIES * entries, dtype=np.int64),
-            tenants=np.empty(SPARE_ENTRIES * entries, dtype=np.int64),
-        )
-        enter_all(field)
-        if field.used[1] == 0 and field.used[0] <= entries:
-            return field
-        entries *= 2
+    return enter_all(field)
 
 
 @kernel
-def enter_all(field: RodField) -> None:
-    """Enter every rod with its tail into an empty index."""
+def enter_all(field: RodField) -> RodField:
+    """The field with every rod entered."""
     for agent in range(len(field.counts)):
-        last = field.counts[agent] - 1
-        for i in range(last):
-            enter(field, agent, field.knots[agent, i], field.knots[agent, i + 1])
-        if field.tops[agent] > field.knots[agent, last, 2]:
-            top = field.knots[agent, last].copy()
-            top[2] = field.tops[agent]
-            enter(field, agent, field.knots[agent, last], top)
+        field = enter_rod(field, agent)
+    return field
 
 
 @kernel
-def cell_of(field: RodField, value: float, axis: int) -> int:
-    """The cell along an axis, points outside moved to the rim."""
-    place = int(np.floor((value - field.origin[axis]) / field.cell))
-    return int(min(max(place, 0), field.shape[axis] - 1))
+def enter_rod(field: RodField, agent: int) -> RodField:
+    """The field with an agent's rod and its tail entered into the index, which may have grown."""
+    cells, heads, entries, used = field.occupancy
+    last = field.counts[agent] - 1
+    for i in range(last + 1):
+        p, q = _segment(field, agent, i)
+        pieces = num_pieces(p, q, cells.size)
+        for k in range(pieces):
+            _box_of_piece(p, q, k, pieces, 0.0, field.query)
+            for r in range(cells_of_box(cells, field.query)):
+                first, past = field.query.runs[r, 0], field.query.runs[r, 1]
+                entries = with_room(entries, used[0] + past - first)
+                for cell in range(first, past):
+                    entry = heads[cell]
+                    while entry >= 0 and entries[entry, 0] != agent:
+                        entry = entries[entry, 1]
+                    if entry < 0:
+                        entries[used[0], 0] = agent
+                        entries[used[0], 1] = heads[cell]
+                        heads[cell] = used[0]
+                        used[0] += 1
+    return RodField(
+        field.knots, field.counts, field.pinned, field.tops, field.required, field.wall_gaps,
+        field.widest, Occupancy(cells, heads, entries, used), field.walls, field.query,
+        field.wall_query, field.stamps, field.clock,
+    )  # fmt: skip
 
 
-@kernel
-def num_pieces(p: FloatArray, q: FloatArray, longest: float) -> int:
+@inlined
+def _segment(field: RodField, agent: int, i: int) -> tuple[Point, Point]:
+    """Segment i of a rod; that of the last knot is the tail, or the knot itself without one."""
+    knots = field.knots[agent]
+    p = space_time_point(knots, i)
+    if i < field.counts[agent] - 1:
+        q = space_time_point(knots, i + 1)
+    else:
+        q = (p[0], p[1], max(p[2], field.tops[agent]))
+    return p, q
+
+
+@inlined
+def num_pieces(p: Point, q: Point, longest: float) -> int:
     """Into how many pieces no longer than `longest` (m) along an axis a segment is cut."""
-    extent = max(abs(q[0] - p[0]), abs(q[1] - p[1]), abs(q[2] - p[2]))
+    extent = 0.0
+    for x in range(len(p)):
+        extent = max(extent, abs(q[x] - p[x]))
     return int(extent / longest) + 1
 
 
-@kernel
-def enter(field: RodField, agent: int, p: FloatArray, q: FloatArray) -> None:
-    """Enter the segment p q of an agent's rod into the index."""
-    pieces = num_pieces(p, q, field.cell)
-    low = np.empty(3, np.int64)
-    high = np.empty(3, np.int64)
-    for k in range(pieces):
-        for x in range(3):
-            head = p[x] + (q[x] - p[x]) * (k / pieces)
-            tail = p[x] + (q[x] - p[x]) * ((k + 1) / pieces)
-            low[x] = cell_of(field, min(head, tail), x)
-            high[x] = cell_of(field, max(head, tail), x)
-        for ix in range(low[0], high[0] + 1):
-            for iy in range(low[1], high[1] + 1):
-                for iz in range(low[2], high[2] + 1):
-                    cell = (ix * field.shape[1] + iy) * field.shape[2] + iz
-                    entry = field.heads[cell]
-                    while entry >= 0 and field.tenants[entry] != agent:
-                        entry = field.links[entry]
-                    if entry >= 0:
-                        continue
-                    free = field.used[0]
-                    if free == len(field.links):
-                        field.used[1] = 1
-                        return
-                    field.used[0] = free + 1
-                    field.tenants[free] = agent
-                    field.links[free] = field.heads[cell]
-                    field.heads[cell] = free
+@inlined
+def _box_of_piece(p: Point, q: Point, k: int, pieces: int, reach: float, query: Query) -> None:
+    """Ask with the box around piece k of the segment p q, `reach` (m) wider on every side."""
+    for x in range(len(p)):
+        head = p[x] + (q[x] - p[x]) * (k / pieces)
+        tail = p[x] + (q[x] - p[x]) * ((k + 1) / pieces)
+        query.low[x] = min(head, tail) - reach
+        query.high[x] = max(head, tail) + reach
 
 
 @kernel
 def segment_clear(field: RodField, agent: int, p: FloatArray, q: FloatArray) -> bool:
     """Whether the segment p q would keep an agent's rod clear of all others and of the walls."""
-    if field.used[1] > 0 or not clear_of_walls(
-        p, q, field.walls[agent], field.edges, field.wall_origin, field.wall_cell,
-        field.wall_shape, field.wall_starts, field.wall_members,
-    ):  # fmt: skip
+    if not clear_of_walls(p, q, field.wall_gaps[agent], field.walls, field.wall_query):
         return False
+    cells, heads, entries, _ = field.occupancy
     field.clock[0] += 1
     now = field.clock[0]
-    pieces = num_pieces(p, q, field.cell)
-    reach = field.widest[agent]
-    low = np.empty(3, np.int64)
-    high = np.empty(3, np.int64)
+    head, tail = (p[0], p[1], p[2]), (q[0], q[1], q[2])
+    pieces = num_pieces(head, tail, cells.size)
     for k in range(pieces):
-        for x in range(3):
-            head = p[x] + (q[x] - p[x]) * (k / pieces)
-            tail = p[x] + (q[x] - p[x]) * ((k + 1) / pieces)
-            low[x] = cell_of(field, min(head, tail) - reach, x)
-            high[x] = cell_of(field, max(head, tail) + reach, x)
-        for ix in range(low[0], high[0] + 1):
-            for iy in range(low[1], high[1] + 1):
-                for iz in range(low[2], high[2] + 1):
-                    entry = field.heads[(ix * field.shape[1] + iy) * field.shape[2] + iz]
-                    while entry >= 0:
-                        other = field.tenants[entry]
-                        entry = field.links[entry]
-                        if field.stamps[other] == now or field.required[agent, other] <= 0.0:
-                            continue
-                        field.stamps[other] = now
-                        if not _clear_of_rod(field, other, p, q, field.required[agent, other]):
-                            return False
+        _box_of_piece(head, tail, k, pieces, field.widest[agent], field.query)
+        for r in range(cells_of_box(cells, field.query)):
+            for cell in range(field.query.runs[r, 0], field.query.runs[r, 1]):
+                entry = heads[cell]
+                while entry >= 0:
+                    other = entries[entry, 0]
+                    entry = entries[entry, 1]
+                    gap = field.required[agent, other]
+                    if field.stamps[other] == now or gap <= 0.0:
+                        continue
+                    field.stamps[other] = now
+                    if not _clear_of_rod(field, other, head, tail, gap):
+                        return False
     return True
 
 
-@kernel
-def _clear_of_rod(field: RodField, other: int, p: FloatArray, q: FloatArray, gap: float) -> bool:
+@inner
+def _clear_of_rod(field: RodField, other: int, p: Point, q: Point, gap: float) -> bool:
     """Whether the segment p q (p before q) is further than `gap` from one rod."""
     knots = field.knots[other]
     count = field.counts[other]
@@ -248,25 +242,20 @@ def _clear_of_rod(field: RodField, other: int, p: FloatArray, q: FloatArray, gap
     high = count - 1
     while low < high:
         middle = (low + high) // 2
-        if knots[min(middle + 1, count - 1), 2] >= p[2] - gap:
+        if knots[min(middle + 1, count - 1), TIME] >= p[TIME] - gap:
             high = middle
         else:
             low = middle + 1
     west, east = min(p[0], q[0]) - gap, max(p[0], q[0]) + gap
     south, north = min(p[1], q[1]) - gap, max(p[1], q[1]) + gap
     for j in range(low, count):
-        if knots[j, 2] > q[2] + gap:
+        if knots[j, TIME] > q[TIME] + gap:
             break
-        x0, y0, z0 = knots[j, 0], knots[j, 1], knots[j, 2]
-        if j < count - 1:
-            x1, y1, z1 = knots[j + 1, 0], knots[j + 1, 1], knots[j + 1, 2]
-        else:
-            # The last knot stands for the tail, or for itself without one.
-            x1, y1, z1 = x0, y0, max(field.tops[other], z0)
-        if min(x0, x1) > east or max(x0, x1) < west or min(y0, y1) > north or max(y0, y1) < south:
+        u, v = _segment(field, other, j)
+        if min(u[0], v[0]) > east or max(u[0], v[0]) < west:
             continue
-        if squared_distance(
-            p[0], p[1], p[2], q[0], q[1], q[2], x0, y0, z0, x1, y1, z1
-        ) <= gap * gap:  # fmt: skip
+        if min(u[1], v[1]) > north or max(u[1], v[1]) < south:
+            continue
+        if squared_distance(p, q, u, v) <= gap * gap:
             return False
     return True

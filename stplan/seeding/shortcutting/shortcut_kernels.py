@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from stplan.arrays import FloatArray, IntArray
-from stplan.compiled import kernel
-from stplan.seeding.shortcutting.rod_field import RodField, enter, segment_clear
+from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.axes import TIME
+from stplan.compiled import inlined, inner, kernel
+from stplan.seeding.shortcutting.rod_field import RodField, enter_rod, segment_clear
 
 # The greedy shortcut gives up on a knot after so many blocked chords in a row.
 LOOK_AHEAD = 4
@@ -25,11 +26,8 @@ SHORTENED = 0.35
 
 
 @kernel
-def polish_round(
-    field: RodField,
-    order: IntArray,
-    draws: FloatArray,
-    arrivals: FloatArray,
+def shortcut_round(
+    field: RodField, order: IntArray, draws: FloatArray, arrivals: FloatArray
 ) -> None:
     """One round over the agents of `order`.
 
@@ -37,21 +35,37 @@ def polish_round(
     agent's arrival is put off.
     """
     aim = np.empty(3)
+    moved = np.empty(3)
     for agent in order:
         _drop_knots(field, agent)
         for k in range(draws.shape[1]):
             _shortcut(field, agent, draws[agent, k, 0], draws[agent, k, 1])
+        knots = field.knots[agent]
         last = field.counts[agent] - 1
         for i in range(1, last):
-            _relax_knot(field, agent, i, aim)
+            # In place, then in time.
+            if not field.pinned[agent, i]:
+                _aim_at_chord(knots, i, aim)
+                _move_towards(field, agent, i, aim, moved)
+            _aim_at_even_speed(knots, i, aim)
+            _move_towards(field, agent, i, aim, moved)
         # A later arrival is slower, hence cheaper, and shortens a tail.
-        if field.knots[agent, last, 2] < arrivals[agent]:
-            aim[:] = field.knots[agent, last]
-            aim[2] = arrivals[agent]
-            _move_towards(field, agent, last, aim)
+        if knots[last, TIME] < arrivals[agent]:
+            _copy(knots[last], aim)
+            aim[TIME] = arrivals[agent]
+            _move_towards(field, agent, last, aim, moved)
+        # Others meet the agent where it is now; its own moves ask about others only.
+        field = enter_rod(field, agent)
 
 
-@kernel
+@inlined
+def _copy(source: FloatArray, target: FloatArray) -> None:
+    """Copy a point (d,)."""
+    for x in range(len(source)):
+        target[x] = source[x]
+
+
+@inner
 def _drop_knots(field: RodField, agent: int) -> None:
     """From every kept knot walk straight to the furthest one that can be reached clear."""
     knots = field.knots[agent]
@@ -66,37 +80,34 @@ def _drop_knots(field: RodField, agent: int) -> None:
                 break
             if segment_clear(field, agent, knots[i], knots[j]):
                 best = j
-        if best > i + 1:
-            enter(field, agent, knots[i], knots[best])
         kept += 1
         # Knots move down only (kept <= best), so those still to be looked at are untouched.
-        knots[kept] = knots[best]
+        _copy(knots[best], knots[kept])
         pinned[kept] = pinned[best]
         i = best
     field.counts[agent] = kept + 1
 
 
-@kernel
-def piece_at(field: RodField, agent: int, height: float, point: FloatArray) -> int:
-    """Fill `point` (3,) with the curve's place at c t = `height`; returns the segment's index."""
-    knots = field.knots[agent]
+@inner
+def _piece_at(knots: FloatArray, count: int, height: float, point: FloatArray) -> int:
+    """Fill `point` (3,) with a curve's place at c t = `height`; returns the segment's index."""
     low = 0
-    high = field.counts[agent] - 2
+    high = count - 2
     while low < high:
         middle = (low + high) // 2
-        if knots[middle + 1, 2] < height:
+        if knots[middle + 1, TIME] < height:
             low = middle + 1
         else:
             high = middle
-    part = (height - knots[low, 2]) / (knots[low + 1, 2] - knots[low, 2])
+    part = (height - knots[low, TIME]) / (knots[low + 1, TIME] - knots[low, TIME])
     part = min(max(part, 0.0), 1.0)
-    for x in range(2):
+    for x in range(len(point) - 1):
         point[x] = knots[low, x] + part * (knots[low + 1, x] - knots[low, x])
-    point[2] = height
+    point[TIME] = height
     return low
 
 
-@kernel
+@inner
 def _shortcut(field: RodField, agent: int, where: float, how_long: float) -> None:
     """Replace a random piece by its constant-speed chord where that is clear."""
     count = field.counts[agent]
@@ -104,13 +115,13 @@ def _shortcut(field: RodField, agent: int, where: float, how_long: float) -> Non
     pinned = field.pinned[agent]
     if count < 3 or count + 2 > knots.shape[0]:
         return
-    low, high = knots[0, 2], knots[count - 1, 2]
+    low, high = knots[0, TIME], knots[count - 1, TIME]
     middle = low + (high - low) * where
     half = 0.5 * (high - low) * LONGEST_SHORTCUT * how_long**1.5
-    begin = np.empty(3)
-    end = np.empty(3)
-    i = piece_at(field, agent, max(low, middle - half), begin)
-    j = piece_at(field, agent, min(high, middle + half), end)
+    begin = np.empty(knots.shape[1])
+    end = np.empty(knots.shape[1])
+    i = _piece_at(knots, count, max(low, middle - half), begin)
+    j = _piece_at(knots, count, min(high, middle + half), end)
     if j <= i:
         return
     for k in range(i + 1, j + 1):
@@ -118,72 +129,80 @@ def _shortcut(field: RodField, agent: int, where: float, how_long: float) -> Non
             return
     # Ends that all but coincide with a knot are moved onto it: no slivers.
     sliver = 1e-3 * (high - low) / count
-    if begin[2] - knots[i, 2] < sliver:
-        begin[:] = knots[i]
-    if knots[j + 1, 2] - end[2] < sliver:
-        end[:] = knots[j + 1]
-    if end[2] <= begin[2] or not segment_clear(field, agent, begin, end):
+    if begin[TIME] - knots[i, TIME] < sliver:
+        _copy(knots[i], begin)
+    if knots[j + 1, TIME] - end[TIME] < sliver:
+        _copy(knots[j + 1], end)
+    if end[TIME] <= begin[TIME] or not segment_clear(field, agent, begin, end):
         return
-    rest = knots[j + 1 : count].copy()
-    rest_pinned = pinned[j + 1 : count].copy()
-    at = i + 1
-    if begin[2] > knots[i, 2]:
-        knots[at] = begin
-        pinned[at] = False
-        at += 1
-    if end[2] < rest[0, 2]:
-        knots[at] = end
-        pinned[at] = False
-        at += 1
-    knots[at : at + len(rest)] = rest
-    pinned[at : at + len(rest)] = rest_pinned
-    field.counts[agent] = at + len(rest)
-    enter(field, agent, begin, end)
+    starts_between = begin[TIME] > knots[i, TIME]
+    ends_between = end[TIME] < knots[j + 1, TIME]
+    # Where knot j + 1 comes to lie.
+    at = i + 1 + int(starts_between) + int(ends_between)
+    _shift(knots, pinned, j + 1, count, at)
+    if starts_between:
+        _copy(begin, knots[i + 1])
+        pinned[i + 1] = False
+    if ends_between:
+        _copy(end, knots[at - 1])
+        pinned[at - 1] = False
+    field.counts[agent] = count + at - (j + 1)
 
 
-@kernel
-def _relax_knot(field: RodField, agent: int, i: int, aim: FloatArray) -> None:
-    """Move a knot to where energy is least between its neighbours: in place, then in time."""
-    before, knot, after = (
-        field.knots[agent, i - 1], field.knots[agent, i], field.knots[agent, i + 1],
-    )  # fmt: skip
-    span = after[2] - before[2]
-    if not field.pinned[agent, i]:
-        # On the chord of its neighbours, at its own time.
-        part = (knot[2] - before[2]) / span
-        for x in range(2):
-            aim[x] = before[x] + part * (after[x] - before[x])
-        aim[2] = knot[2]
-        _move_towards(field, agent, i, aim)
-    # Equal speed on both sides, at its own place.
+@inlined
+def _shift(knots: FloatArray, pinned: BoolArray, first: int, past: int, to: int) -> None:
+    """Move knots first..past - 1 and whether they are pinned so that the first comes to `to`."""
+    for step in range(past - first):
+        # From the end that is not overwritten before it is read.
+        k = step if to <= first else past - first - 1 - step
+        _copy(knots[first + k], knots[to + k])
+        pinned[to + k] = pinned[first + k]
+
+
+@inlined
+def _aim_at_chord(knots: FloatArray, i: int, aim: FloatArray) -> None:
+    """On the chord of the neighbours of knot i, at its own time."""
+    span = knots[i + 1, TIME] - knots[i - 1, TIME]
+    part = (knots[i, TIME] - knots[i - 1, TIME]) / span
+    for x in range(len(aim) - 1):
+        aim[x] = knots[i - 1, x] + part * (knots[i + 1, x] - knots[i - 1, x])
+    aim[TIME] = knots[i, TIME]
+
+
+@inlined
+def _aim_at_even_speed(knots: FloatArray, i: int, aim: FloatArray) -> None:
+    """At the place of knot i, at the time when speed is equal on both sides."""
+    before, knot, after = knots[i - 1], knots[i], knots[i + 1]
     first = np.hypot(knot[0] - before[0], knot[1] - before[1])
     second = np.hypot(after[0] - knot[0], after[1] - knot[1])
     part = first / max(first + second, 1e-12)
     part = min(max(part, LEAST_PART), 1.0 - LEAST_PART)
-    aim[0] = knot[0]
-    aim[1] = knot[1]
-    aim[2] = before[2] + part * span
-    _move_towards(field, agent, i, aim)
+    for x in range(len(aim) - 1):
+        aim[x] = knot[x]
+    aim[TIME] = before[TIME] + part * (after[TIME] - before[TIME])
 
 
-@kernel
-def _move_towards(field: RodField, agent: int, i: int, aim: FloatArray) -> None:
-    """Move knot i (not the first) towards `aim` (3,), as far as both its segments are clear."""
+@inner
+def _move_towards(field: RodField, agent: int, i: int, aim: FloatArray, moved: FloatArray) -> None:
+    """Move knot i (not the first) towards `aim` (3,), as far as both its segments are clear.
+
+    `moved` (3,) is working memory.
+    """
     knots = field.knots[agent]
     is_last = i == field.counts[agent] - 1
-    moved = aim.copy()
+    _copy(aim, moved)
     step = 1.0
     for _ in range(STEPS):
-        if moved[0] == knots[i, 0] and moved[1] == knots[i, 1] and moved[2] == knots[i, 2]:
+        same = True
+        for x in range(len(moved)):
+            same = same and moved[x] == knots[i, x]
+        if same:
             return
         if segment_clear(field, agent, knots[i - 1], moved) and (
             is_last or segment_clear(field, agent, moved, knots[i + 1])
         ):
-            knots[i] = moved
-            enter(field, agent, knots[i - 1], moved)
-            if not is_last:
-                enter(field, agent, moved, knots[i + 1])
+            _copy(moved, knots[i])
             return
         step *= SHORTENED
-        for x in range(3):
+        for x in range(len(moved)):
             moved[x] = knots[i, x] + step * (aim[x] - knots[i, x])

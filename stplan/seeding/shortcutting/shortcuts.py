@@ -18,8 +18,8 @@ from stplan.problem.requirement import Requirement, held_requirement
 from stplan.problem.verification import verify
 from stplan.seeding.shortcutting.resampling import resample_curve
 from stplan.seeding.shortcutting.retiming import even_knots
-from stplan.seeding.shortcutting.rod_field import build_field
-from stplan.seeding.shortcutting.shortcut_kernels import polish_round
+from stplan.seeding.shortcutting.rod_field import build_field, enter_rod
+from stplan.seeding.shortcutting.shortcut_kernels import shortcut_round
 
 # Knots an agent gets by default: enough for the bends of its shortened curve.
 LEAST_AUTO_KNOTS = 30
@@ -83,7 +83,7 @@ def take_shortcuts(
         if stopped():
             break
         field = build_field(problem, current, required)
-        polish_round(
+        shortcut_round(
             field,
             movable if turn % 2 == 0 else movable[::-1].copy(),
             rng.random((problem.num_agents, TRIES, 2)),
@@ -174,7 +174,9 @@ def retime(
             )
         )
         curve = field.curve(problem, agent)
-        if path is None and not evened:
+        if evened:
+            field = enter_rod(field, agent)
+        elif path is None:
             curve = resample_curve(curve, wanted[agent])
         result.append(curve)
     return result

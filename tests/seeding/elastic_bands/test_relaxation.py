@@ -14,7 +14,6 @@ from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import requirement
 from stplan.problem.verification import verify
 from stplan.scene.model import Agent, PairRule, Scene, Weights
-from stplan.seeding.elastic_bands.block_tridiagonal import FIXED, FREE, PINNED, hold_knots, solve
 from stplan.seeding.elastic_bands.relaxation import relax
 from stplan.seeding.seeder import Attempt
 from stplan.seeding.shortcutting.shortcuts import prepare_seed
@@ -257,26 +256,3 @@ def test_the_impossible_is_reported_within_its_limits() -> None:
     assert result.record.sweeps == 200
     assert (result.record.retensions or 0) > 0
     assert relax(problem, required, stopped=lambda: True).record.sweeps == 1
-
-
-def test_the_chain_solver_equals_a_dense_one() -> None:
-    rng = np.random.default_rng(0)
-    count = 7
-    dense = np.zeros((3 * count, 3 * count))
-    for i in range(count - 1):
-        part = rng.normal(size=(6, 6))
-        dense[3 * i : 3 * i + 6, 3 * i : 3 * i + 6] += part @ part.T + np.eye(6)
-    force = rng.normal(size=(count, 3))
-    diagonal = np.stack([dense[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] for i in range(count)])
-    upper = np.zeros((count, 3, 3))
-    for i in range(count - 1):
-        upper[i] = dense[3 * i : 3 * i + 3, 3 * i + 3 : 3 * i + 6]
-    hold = np.full(count, FREE)
-    hold[[0, 3, 6]] = FIXED, PINNED, FIXED
-    free = np.ones(3 * count, dtype=bool)
-    free[[0, 1, 2, 9, 10, 18, 19, 20]] = False
-    expected = np.zeros(3 * count)
-    expected[free] = np.linalg.solve(dense[np.ix_(free, free)], force.ravel()[free])
-    hold_knots(hold, diagonal, upper, force)
-    solve(diagonal, upper, force)
-    assert force.ravel() == pytest.approx(expected)

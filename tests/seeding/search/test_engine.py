@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from stplan.geometry.segments import squared_distance
 from stplan.seeding.search.graph import UNREACHABLE, Graph, make_graph
+from stplan.seeding.search.journey import Journey, Window
 from stplan.seeding.search.layered_dijkstra import HARD, cheapest_path
 from stplan.seeding.search.reservations import Reservations, TimeGrid
 from stplan.seeding.search.safe_interval import SafeIntervalSearch
+from tests.geometry.points import apart_squared
 
 LAYERS = 24
 
@@ -46,9 +47,9 @@ def test_blocks_are_exactly_the_moves_that_come_too_near(seed: int) -> None:
     for move in range(graph.num_moves):
         u, v = graph.vertices[graph.move_from[move]], graph.vertices[graph.move_to[move]]
         for layer in range(LAYERS):
-            p = (*u, base + layer * grid.height)
-            q = (*v, base + (layer + 1) * grid.height)
-            gap = min(squared_distance(*p, *q, *rod[k], *rod[k + 1]) for k in range(len(rod) - 1))
+            p = np.array([*u, base + layer * grid.height])
+            q = np.array([*v, base + (layer + 1) * grid.height])
+            gap = min(apart_squared(p, q, rod[k], rod[k + 1]) for k in range(len(rod) - 1))
             assert found[move, layer] == (gap <= (distance * (1 + 4e-9)) ** 2)
 
 
@@ -106,9 +107,8 @@ def test_safe_intervals_arrive_as_early_as_possible(seed: int) -> None:
     hops = graph.hops_to(goal, free)[None]
     search = SafeIntervalSearch(graph)
     path = search.path(
-        start, targets, hops, free, table,
-        first_layer=first, last_layer=LAYERS, departure=departure, stays=stays,
-    )  # fmt: skip
+        Journey(start, targets, hops, free), Window(first, LAYERS, stays, departure), table
+    )
     expected = earliest(graph, start, goal, table, first, departure, stays)
     if path is None:
         assert expected == -1
@@ -133,17 +133,14 @@ def test_waypoints_are_passed_in_order() -> None:
     targets = np.array([5, 9])
     hops = two_legs(graph, targets, free)
     table = np.zeros((graph.num_moves, LAYERS), dtype=np.uint16)
-    path = SafeIntervalSearch(graph).path(
-        9, targets, hops, free, table, first_layer=0, last_layer=LAYERS, stays=True
-    )
+    journey, window = Journey(9, targets, hops, free), Window(0, LAYERS, True)
+    path = SafeIntervalSearch(graph).path(journey, window, table)
     assert path is not None
     assert len(path) - 1 == hops[0, 9]
     assert path[0] == path[-1] == 9
     assert 5 in path
     cost = np.hypot(graph.length, 0.5)
-    cheap = cheapest_path(
-        graph, 9, targets, hops, free, table, cost, first_layer=0, last_layer=LAYERS, stays=True
-    )
+    cheap = cheapest_path(graph, journey, window, table, cost)
     assert cheap is not None
     assert cheap[0] == cheap[-1] == 9
     assert 5 in cheap
@@ -177,10 +174,8 @@ def test_the_cheapest_path_is_cheapest(seed: int, penalty: float) -> None:
     table[1, LAYERS - 4 :] = 0
     free = np.ones(graph.num_moves, dtype=bool)
     cost = np.hypot(graph.length, 0.5)
-    path = cheapest_path(
-        graph, 0, np.array([1]), graph.hops_to(1, free)[None], free, table, cost,
-        first_layer=0, last_layer=LAYERS, penalty=penalty, stays=True,
-    )  # fmt: skip
+    journey = Journey(0, np.array([1]), graph.hops_to(1, free)[None], free)
+    path = cheapest_path(graph, journey, Window(0, LAYERS, True), table, cost, penalty)
     expected = cheapest(graph, 1, table, cost, penalty)
     if path is None:
         assert np.isinf(expected)
@@ -201,7 +196,6 @@ def test_unreachable_goals_have_no_path() -> None:
     hops = graph.hops_to(1, free)[None]
     assert hops[0, 0] == UNREACHABLE
     path = SafeIntervalSearch(graph).path(
-        0, np.array([1]), hops, free, np.zeros((2, 4), np.uint16),
-        first_layer=0, last_layer=4, stays=False,
-    )  # fmt: skip
+        Journey(0, np.array([1]), hops, free), Window(0, 4, False), np.zeros((2, 4), np.uint16)
+    )
     assert path is None

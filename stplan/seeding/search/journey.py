@@ -1,0 +1,62 @@
+"""Where an agent has to go on a graph, and between which layers of time."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stplan.arrays import BoolArray, IntArray
+from stplan.compiled import kernel
+from stplan.seeding.search.graph import Graph
+
+
+class Journey(NamedTuple):
+    """Where to go, whatever the layers.
+
+    Attributes:
+        start: vertex.
+        targets: (P,) vertices to reach in order, the goal last: leg p ends at target p.
+        hops: (P, V) fewest hops to the goal on leg p, UNREACHABLE where there is no way.
+        free: (M,) moves clear of the walls.
+    """
+
+    start: int
+    targets: IntArray
+    hops: IntArray
+    free: BoolArray
+
+
+class Window(NamedTuple):
+    """When to be there.
+
+    Attributes:
+        first, last: layer at the start, and latest layer of arrival.
+        stays: the goal must be free from arrival to the last layer of the table.
+        departure: the start is not left before this layer.
+    """
+
+    first: int
+    last: int
+    stays: bool
+    departure: int = 0
+
+
+@kernel
+def shortest_way(journey: Journey, graph: Graph) -> IntArray:
+    """Vertices of one way of fewest hops through all targets of a journey that can be made."""
+    hops, targets = journey.hops, journey.targets
+    vertex = journey.start
+    way = np.empty(hops[0, vertex] + 1, np.int64)
+    way[0] = vertex
+    leg = 0
+    for step in range(1, len(way)):
+        while leg < len(targets) - 1 and vertex == targets[leg]:
+            leg += 1
+        for place in range(graph.out_offsets[vertex], graph.out_offsets[vertex + 1]):
+            move = graph.out_moves[place]
+            if journey.free[move] and hops[leg, graph.move_to[move]] < hops[leg, vertex]:
+                vertex = graph.move_to[move]
+                break
+        way[step] = vertex
+    return way

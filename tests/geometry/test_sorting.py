@@ -1,0 +1,27 @@
+"""Counting sort against numpy's stable sorts."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from stplan.geometry.sorting import counting_sort, sorted_pairs
+
+PAIRS = st.lists(st.tuples(st.integers(0, 6), st.integers(0, 6)), max_size=30)
+
+
+@settings(max_examples=80, deadline=None, derandomize=True)
+@given(PAIRS)
+def test_rows_of_a_key_keep_their_order(pairs: list[tuple[int, int]]) -> None:
+    rows = np.array(pairs, dtype=np.int64).reshape(-1, 2)
+    starts, order = counting_sort(rows, 7)
+    assert order.tolist() == np.argsort(rows[:, 0], kind="stable").tolist()
+    assert starts.tolist() == np.searchsorted(np.sort(rows[:, 0]), np.arange(8)).tolist()
+
+
+@settings(max_examples=80, deadline=None, derandomize=True)
+@given(PAIRS)
+def test_pairs_are_sorted_by_both_entries(pairs: list[tuple[int, int]]) -> None:
+    rows = np.array(pairs, dtype=np.int64).reshape(-1, 2)
+    assert [tuple(row) for row in sorted_pairs(rows, 7).tolist()] == sorted(pairs)
