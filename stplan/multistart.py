@@ -1,14 +1,16 @@
-"""Multistart: seeds of different homotopy classes, of which the cheapest is optimised.
+"""Multistart: seeds of different homotopy classes, of which the cheapest are optimised.
 
 An optimisation keeps the homotopy class of its seed (who passes whom on which side), and classes differ in
-cost by more than any option of the solver is worth. Among seeds that relaxation found, the cheapest seed
-leads to the cheapest plan, so only one of them is optimised; docs/performance.md has the figures.
+cost by more than any option of the solver is worth. In the open, relaxation is started again and again; in
+tight spaces other seeders compete with the first one that found a way. The cheapest seed mostly leads to the
+cheapest plan; where it does not, one of the next two does (docs/performance.md has the figures), so in tight
+spaces up to three seeds of different classes are optimised.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,8 +22,9 @@ from stplan.problem.kinetic import kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
-from stplan.seeding.portfolio import Seed, prepare_portfolio
-from stplan.seeding.seeder import Budget
+from stplan.seeding.homotopy import signature
+from stplan.seeding.portfolio import Portfolio, Seed, prepare_portfolio
+from stplan.seeding.seeder import Budget, Progress
 
 # `solver.starts: auto` makes so many starts for every pair an agent that would collide on straight ways:
 # each of them doubles the classes there are. It makes no more than that in all, and fewer the more pairs of
@@ -31,32 +34,94 @@ MOST_STARTS = 24
 RELAXED_PAIRS = 15_000
 
 
-def best_seed(problem: PlanningProblem, *, progress: Callable[[str], None]) -> Seed:
-    """The cheapest of `solver.starts` seeds, found with `seeding.rng_seed` and the numbers after it.
+@dataclass(frozen=True)
+class Effort:
+    """How hard to look for a cheap plan.
 
-    Each may take `seeding.time_limit`.
+    Attributes:
+        starts_share: factor on the starts that a scene is worth.
+        finalists: seeds that are optimised.
+    """
+
+    starts_share: float
+    finalists: int
+
+
+EFFORTS = {"quick": Effort(0.0, 1), "normal": Effort(1.0, 3), "best": Effort(4.0, 6)}
+# Starts of every rival in tight spaces: so many in all over the number of agents, at least and at most.
+TIGHT_STARTS, FEWEST_STARTS, MOST_TIGHT_STARTS = 160, 2, 8
+# Of more agents fewer seeds are optimised: classes differ less, and plans take longer.
+AGENTS_A_FINALIST = 120
+
+
+def best_seeds(problem: PlanningProblem, *, progress: Progress) -> tuple[Seed, ...]:
+    """Seeds of different classes to optimise, the cheapest first.
+
+    They come from `seeding.rng_seed` and the numbers after it. The first may take `seeding.time_limit`, and
+    so may all others together.
 
     Raises:
-        SeedingError: the first start found none.
+        SeedingError: there is none.
     """
     scene, settings = problem.scene, problem.scene.seeding
-    deadline = working_time() + settings.time_limit
     portfolio = prepare_portfolio(problem)
-    best = portfolio.find(Budget(settings.rng_seed, deadline, progress))
-    starts = scene.solver.starts or _worthwhile_starts(problem, best)
-    least, chosen = own_cost(scene, best.world_lines), 0
-    for start in range(1, starts):
-        deadline = working_time() + settings.time_limit
-        try:
-            seed = portfolio.find(Budget(settings.rng_seed + start, deadline))
-        except SeedingError:
-            continue
-        cost = own_cost(scene, seed.world_lines)
-        if cost < least:
-            best, least, chosen = seed, cost, start
-    if starts > 1:
-        progress(f"start {chosen + 1} of {starts} is the cheapest")
-    return replace(best, record=replace(best.record, starts=starts, start=chosen + 1))
+    deadline = working_time() + settings.time_limit
+    first = portfolio.find(Budget(settings.rng_seed, deadline, progress))
+    effort = EFFORTS[scene.solver.effort]
+    deadline = working_time() + settings.time_limit
+    found = [first, *_other_seeds(problem, portfolio, first, effort, deadline)]
+    costs = [own_cost(scene, seed.world_lines) for seed in found]
+    order = sorted(range(len(found)), key=costs.__getitem__)
+    if len(found) > 1:
+        progress(
+            f"seed {order[0] + 1} of {len(found)} is the cheapest, by {found[order[0]].found_by}"
+        )
+    most = effort.finalists if portfolio.rivals else 1
+    most = max(1, min(most, AGENTS_A_FINALIST // problem.num_agents))
+    chosen = _distinct(problem, [found[k] for k in order], most)
+    return tuple(
+        replace(seed, record=replace(seed.record, starts=len(found), start=found.index(seed) + 1))
+        for seed in chosen
+    )
+
+
+def _other_seeds(
+    problem: PlanningProblem, portfolio: Portfolio, first: Seed, effort: Effort, deadline: float
+) -> Iterator[Seed]:
+    """What competes with the `first` seed, until the `deadline`."""
+    rng_seed = problem.scene.seeding.rng_seed
+    asked = problem.scene.solver.starts
+    if not portfolio.rivals or asked is not None:
+        starts = asked or _worthwhile_starts(problem, first, effort.starts_share)
+        for start in range(1, starts):
+            try:
+                yield portfolio.find(Budget(rng_seed + start, deadline))
+            except SeedingError:
+                continue
+        return
+    worth = min(max(TIGHT_STARTS // problem.num_agents, FEWEST_STARTS), MOST_TIGHT_STARTS)
+    for start in range(round(effort.starts_share * worth)):
+        for rival in portfolio.rivals:
+            budget = Budget(rng_seed + start, deadline)
+            seed = None if budget.spent() else portfolio.find_by(rival, budget)
+            if seed is not None:
+                yield seed
+
+
+def _distinct(problem: PlanningProblem, seeds: Sequence[Seed], most: int) -> list[Seed]:
+    """The first `most` of the seeds that are of different classes."""
+    if most == 1:
+        return list(seeds[:1])
+    chosen: list[Seed] = []
+    known: set[bytes] = set()
+    for seed in seeds:
+        label = signature(problem, list(seed.world_lines.curves()))
+        if label not in known:
+            known.add(label)
+            chosen.append(seed)
+        if len(chosen) == most:
+            break
+    return chosen
 
 
 def own_cost(scene: Scene, lines: WorldLines) -> float:
@@ -72,13 +137,14 @@ def own_cost(scene: Scene, lines: WorldLines) -> float:
     return total
 
 
-def _worthwhile_starts(problem: PlanningProblem, first: Seed) -> int:
-    """How many starts `auto` makes: search finds much the same seed every time."""
+def _worthwhile_starts(problem: PlanningProblem, first: Seed, share: float) -> int:
+    """How many starts `auto` makes in the open: search finds much the same seed every time."""
     count = problem.num_agents
     most = min(MOST_STARTS, RELAXED_PAIRS // max(count * (count - 1) // 2, 1))
     if first.found_by != "relaxation" or most <= 1:
         return 1
-    return max(1, min(most, round(STARTS_A_CONFLICT * straight_conflicts(problem) / count)))
+    worth = share * STARTS_A_CONFLICT * straight_conflicts(problem) / count
+    return max(1, min(most, round(worth)))
 
 
 def straight_conflicts(problem: PlanningProblem) -> int:

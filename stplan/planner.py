@@ -7,7 +7,7 @@ as they need.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -22,7 +22,7 @@ from stplan.files.manifest import KEY, manifest
 from stplan.files.recorded import REPORT, RUN_RECORD
 from stplan.files.trajectories import curve_files
 from stplan.geometry.segments import closest_parameters
-from stplan.multistart import best_seed
+from stplan.multistart import best_seeds, own_cost
 from stplan.nlp.ipopt.adapter import require_options
 from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
 from stplan.optimize.continuation import LiveLine, Optimisation, optimise
@@ -30,7 +30,14 @@ from stplan.optimize.restoration import restore
 from stplan.problem import planning_problem
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
-from stplan.report import OptimisationReport, OptimisationTimes, Report, RunRecord, SeedReport
+from stplan.report import (
+    OptimisationReport,
+    OptimisationTimes,
+    Report,
+    RivalReport,
+    RunRecord,
+    SeedReport,
+)
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Seed
 from stplan.status import Status
@@ -113,15 +120,22 @@ def plan(
     clock = Clock()
     with clock.stage("world"):
         problem = prepare(scene)
-    initial = find_initial_curves(problem, progress=progress, stop=stop, clock=clock)
+    rivals = find_initial_curves(problem, most=None, progress=progress, stop=stop, clock=clock)
     stop()  # The answer is heeded below; who is asked knows that from here on a plan is certain.
-    with clock.stage("optimise"):
-        optimised = optimise(
-            problem, initial.seed.world_lines, progress=progress, live=live, stop=stop
-        )  # fmt: skip
-    with clock.stage("certify"):
-        certificate = certify(scene, problem.free_space, optimised.world_lines)
-    return _planned(scene, initial, optimised, certificate, clock)
+    plans: list[Plan] = []
+    for number, initial in enumerate(rivals, start=1):
+        if plans and stop():
+            break
+        if len(rivals) > 1:
+            progress(f"plan {number} of {len(rivals)}, from the seed by {initial.seed.found_by}")
+        with clock.stage("optimise"):
+            optimised = optimise(
+                problem, initial.seed.world_lines, progress=progress, live=live, stop=stop
+            )  # fmt: skip
+        with clock.stage("certify"):
+            certificate = certify(scene, problem.free_space, optimised.world_lines)
+        plans.append(_planned(scene, initial, optimised, certificate, clock))
+    return _cheapest(plans)
 
 
 def seed(scene: Scene, *, progress: Progress | None = None, stop: Stop | None = None) -> Plan:
@@ -129,7 +143,7 @@ def seed(scene: Scene, *, progress: Progress | None = None, stop: Stop | None = 
     clock = Clock()
     with clock.stage("world"):
         problem = prepare(scene)
-    initial = find_initial_curves(problem, progress=progress, stop=stop, clock=clock)
+    (initial,) = find_initial_curves(problem, progress=progress, stop=stop, clock=clock)
     found = SeedReport.of(initial.seed, initial.certificate, scene)
     content = Report(scene, Status.SEEDED, initial.certificate, found.metrics, found)
     lines = initial.seed.world_lines
@@ -170,11 +184,14 @@ def prepare(scene: Scene) -> PlanningProblem:
 def find_initial_curves(
     problem: PlanningProblem,
     *,
+    most: int | None = 1,
     progress: Progress | None = None,
     stop: Stop | None = None,
     clock: Clock | None = None,
-) -> InitialCurves:
-    """The cheapest seed found, made to keep the limits and times of the scene, and certified.
+) -> list[InitialCurves]:
+    """The cheapest seeds found, made to keep the limits and times of the scene, and certified.
+
+    At least one, at `most` so many (None: as many as the scene's effort asks for), the cheapest first.
 
     Raises:
         SeedingError: none was found; BrokenSeedError where none holds its certificate.
@@ -185,15 +202,45 @@ def find_initial_curves(
     with clock.stage("seed"):
         if not compiled_before(closest_parameters):
             progress("compiling, once after installation: this takes about a quarter of a minute")
-        found = best_seed(problem, progress=progress)
-        lines = restore(problem, found.world_lines, found.rendezvous, progress=progress, stop=stop)
-        if lines is not found.world_lines and stop():
-            raise StoppedError
-    with clock.stage("certify"):
-        certificate = certify(scene, free_space, lines)
-    if not certificate.holds:
-        raise BrokenSeedError(certificate.violations)
-    return InitialCurves(replace(found, world_lines=lines), certificate)
+        seeds = best_seeds(problem, progress=progress)
+    found: list[InitialCurves] = []
+    violations: tuple[str, ...] = ()
+    for seed in seeds:
+        if len(found) == most or (found and stop()):
+            break
+        with clock.stage("seed"):
+            lines = restore(
+                problem, seed.world_lines, seed.rendezvous, progress=progress, stop=stop
+            )
+            if lines is not seed.world_lines and not found and stop():
+                raise StoppedError
+        with clock.stage("certify"):
+            certificate = certify(scene, free_space, lines)
+        if certificate.holds:
+            found.append(InitialCurves(replace(seed, world_lines=lines), certificate))
+        violations = violations or certificate.violations
+    if not found:
+        raise BrokenSeedError(violations)
+    return found
+
+
+def _cheapest(plans: Sequence[Plan]) -> Plan:
+    """The plan that costs its agents least, with a record of all that were made."""
+    costs = [own_cost(plan.scene, plan.trajectories or plan.seed) for plan in plans]
+    best = plans[min(range(len(plans)), key=costs.__getitem__)]
+    if len(plans) == 1:
+        return best
+    rivals = tuple(
+        RivalReport(
+            plan.report.seed.found_by,
+            plan.report.seed.record["start"],
+            own_cost(plan.scene, plan.seed),
+            cost,
+            plan.status,
+        )
+        for plan, cost in zip(plans, costs, strict=True)
+    )
+    return replace(best, report=replace(best.report, rivals=rivals))
 
 
 def _planned(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cache
 from importlib import metadata
 from platform import node, python_version
@@ -71,12 +71,24 @@ class OptimisationReport:
 
 
 @dataclass(frozen=True)
+class RivalReport:
+    """Of one of several plans that were made: where it came from, what its seed and it cost, J s."""
+
+    found_by: str
+    start: float
+    seed_cost: float
+    plan_cost: float
+    status: Status
+
+
+@dataclass(frozen=True)
 class Report:
     """What report.json holds.
 
     Attributes:
         certificate, metrics: of the trajectories, or of the seed where there is no more.
         optimisation: None where only a seed was asked for.
+        rivals: all plans that were made, of which this is the cheapest; none where it is the only one.
     """
 
     scene: Scene
@@ -85,6 +97,7 @@ class Report:
     metrics: Metrics
     seed: SeedReport
     optimisation: OptimisationReport | None = None
+    rivals: tuple[RivalReport, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """For report.json."""
@@ -105,7 +118,8 @@ class Report:
             "metrics": self.metrics.as_dict(),
             "seed": self.seed.as_dict(),
         }
-        return content | ({} if self.optimisation is None else self.optimisation.as_dict())
+        content |= {} if self.optimisation is None else self.optimisation.as_dict()
+        return content | ({"rivals": [asdict(one) for one in self.rivals]} if self.rivals else {})
 
 
 @dataclass(frozen=True)

@@ -135,7 +135,7 @@ def build_task(scene: Scene) -> Task:
     if limits or speed is None or acceleration is None:
         raise UsageError(f"{scene.name}: every agent needs the same max_speed and max_acceleration")
     problem = prepare(scene)
-    curves = list(find_initial_curves(problem).seed.world_lines.curves())
+    curves = list(find_initial_curves(problem)[0].seed.world_lines.curves())
     ways = [curve[:, :2] for curve in geodesic_curves(problem) if curve is not None]
     return Task(scene, problem.free_space, speed, acceleration, ways, curves, TIME_LIMIT)
 

@@ -128,7 +128,7 @@ def measure(
     for scene in scenes:
         problem = prepare(scene)
         try:
-            initial = find_initial_curves(problem)
+            (initial,) = find_initial_curves(problem)
         except SeedingError as error:
             progress(f"{scene.name}: {str(error).splitlines()[0]}")
             continue

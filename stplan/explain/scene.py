@@ -43,7 +43,7 @@ def explain_scene(
     if time_limit <= 0:
         return Explanation(f"{scene.name}: a valid scene.", tuple(sections)), True
     try:
-        initial = find_initial_curves(problem, progress=progress, stop=stop)
+        (initial,) = find_initial_curves(problem, progress=progress, stop=stop)
     except SeedingError as error:
         title = f"{scene.name}: a valid scene, but there is no way to start."
         return Explanation(title, (*sections, _refusal(error))), False

@@ -97,6 +97,7 @@ class SolverSettings:
     """How curves are optimised; None means auto, `barrier_range` inf the unbounded logarithm."""
 
     knots: int | None = None
+    effort: Literal["quick", "normal", "best"] = "normal"
     starts: int | None = None
     mu: float | None = None
     mu_decay: float = 0.5

@@ -3,10 +3,10 @@
 An optimisation keeps the class of its seed, so two seeds of one class lead to much the same plan and only the
 cheaper one is worth optimising. The signature of a plan has two numbers for every colliding pair:
 
-- the winding number of the relative position p_b(t) - p_a(t) while both are there: the angle it turns through,
-  less the smallest angle between its ends, in whole turns;
-- who is first where both pass the same places: the sign of the sum of sign(t_b - t_a) over common squares of
-  the plane, 0 where they share none.
+- the winding number of the relative position p_b(t) - p_a(t): the angle it turns through, less the smallest
+  angle between its ends, in whole turns;
+- who is first where both pass the same places: the sign of the sum of sign(t_b - t_a) over common squares
+  of the plane, 0 where they share none.
 
 Both are read from samples, so a signature is a label, not a proof.
 """

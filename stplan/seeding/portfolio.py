@@ -32,6 +32,8 @@ from stplan.seeding.elastic_bands.tightening import tighten
 from stplan.seeding.infeasibility import hopeless, not_connected
 from stplan.seeding.registry import SEEDERS
 from stplan.seeding.rendezvous import Rendezvous, with_rendezvous
+from stplan.seeding.search.emptying import Emptying
+from stplan.seeding.search.least_cost import LeastCost
 from stplan.seeding.search.levels import Levels
 from stplan.seeding.search.mending import Mending
 from stplan.seeding.search.schedule import MOST_EFFORT, SOON_EFFORT, Search
@@ -108,12 +110,14 @@ class Portfolio:
         rendezvous: where pairs meet that have to.
         required: what the margin asks for.
         seeders: in the order they are tried.
+        rivals: seeders whose seeds compete with the first one found, in tight spaces.
     """
 
     problem: PlanningProblem
     rendezvous: tuple[Rendezvous, ...]
     required: Requirement
     seeders: tuple[Seeder, ...]
+    rivals: tuple[Seeder, ...] = ()
 
     def find(self, budget: Budget) -> Seed:
         """Clear initial curves by the first seeder that finds any.
@@ -121,7 +125,22 @@ class Portfolio:
         Raises:
             SeedingError: none did.
         """
-        found = self._first_clear(budget)
+        return self._seed(self._first_clear(budget), budget)
+
+    def find_by(self, rival: Seeder, budget: Budget) -> Seed | None:
+        """Clear initial curves by one of the rivals, None where it finds none."""
+        found = rival.attempt(budget)
+        try:
+            return self._seed(found, budget) if found.clear else None
+        except SeedingError:
+            return None
+
+    def _seed(self, found: Attempt, budget: Budget) -> Seed:
+        """A seed of what was found.
+
+        Raises:
+            SeedingError: it was not prepared in time, or not clear after all.
+        """
         curves = self._prepared(found, budget)
         faults = verify(self.problem, curves)
         if faults:
@@ -195,7 +214,8 @@ def prepare_portfolio(problem: PlanningProblem) -> Portfolio:
         raise SeedingError(reasons)
     problem = _surroundings(problem)
     required = requirement(problem, problem.scene.seeding.margin)
-    return Portfolio(problem, rendezvous, required, _seeders(problem))
+    seeders, rivals = _seeders(problem)
+    return Portfolio(problem, rendezvous, required, seeders, rivals)
 
 
 def _surroundings(problem: PlanningProblem) -> PlanningProblem:
@@ -219,20 +239,22 @@ def _surroundings(problem: PlanningProblem) -> PlanningProblem:
     return problem if not_connected(near, problem.radii) else near
 
 
-def _seeders(problem: PlanningProblem) -> tuple[Seeder, ...]:
-    """The seeders of the scene's method, in the order they are tried."""
+def _seeders(problem: PlanningProblem) -> tuple[tuple[Seeder, ...], tuple[Seeder, ...]]:
+    """The seeders of the scene's method in the order they are tried, and what competes with them."""
     method = problem.scene.seeding.method
     if method != AUTO:
-        return (SEEDERS[method](problem),)
+        return (SEEDERS[method](problem),), ()
     levels = Levels(problem)
     many_radii = len(np.unique(problem.radii)) > FEW_RADII
     if many_radii or straight_ways_are_clear(problem):
         return (
             MendedRelaxation(Relaxation(problem, OPEN_SWEEPS), Mending(levels)),
             Search(levels),
-        )
+        ), ()
+    relaxation = MendedRelaxation(Relaxation(problem, TIGHT_SWEEPS), Mending(levels))
     return (
+        Emptying(levels),
         Search(levels, (SOON_EFFORT, SOON_EFFORT)),
-        MendedRelaxation(Relaxation(problem, TIGHT_SWEEPS), Mending(levels)),
+        relaxation,
         Search(levels, (SOON_EFFORT + 1, MOST_EFFORT)),
-    )
+    ), (LeastCost(levels), relaxation)

@@ -104,8 +104,11 @@ class SolverFile(_Model):
     knots: Annotated[int | Literal["auto"], Or(_KNOTS, "auto")] = Field(
         "auto", description="knots per agent; auto follows the initial curves"
     )
+    effort: Literal["quick", "normal", "best"] = Field(
+        _SOLVER.effort, description="how many initial curves compete, and how many are optimised"
+    )
     starts: Annotated[int | Literal["auto"], Or(_STARTS, "auto")] = Field(
-        "auto", description="initial curves to choose the cheapest from; auto: more for few agents"
+        "auto", description="initial curves to choose the cheapest from; auto: as effort asks"
     )
     mu: Annotated[float | Literal["auto"], Or(Factor, "auto")] = Field(
         "auto", description="first weight of the barriers; auto scales with the costs"

@@ -5,10 +5,10 @@ rods of those that went before it, while all others stand on their starts for as
 be planned: the start of each is reserved until its own turn. Agents take turns by the length of their ways;
 one that finds no way yet waits for the next round.
 
-Where agents vanish at their goals this cannot fail on a floor that can be emptied one by one: if some agent has a
-way to its goal among all others standing still, it may take it before anybody else moves, then it is gone, and
-the rest is a smaller scene of the same kind. What it needs is time enough for all, one after another; as
-rods planned later fit in between those planned before, it mostly needs far less.
+Where agents vanish at their goals this cannot fail on a floor that can be emptied one by one: if some agent
+has a way to its goal among all others standing still, it may take it before anybody else moves, then it is
+gone, and the rest is a smaller scene of the same kind. What it needs is time enough for all, one after
+another; as rods planned later fit in between those planned before, it mostly needs far less.
 """
 
 from __future__ import annotations

@@ -3,8 +3,8 @@
 Safe-interval search sends everybody to its goal as early as possible, which leaves dear detours and queues
 behind. Here every agent takes the way that costs it least among the rods already there. For even random
 numbers a move costs what it costs in the plan, |dx|^2 / (2 dt), so that everybody is as slow as its time
-allows; for odd ones its length in space-time, the paper's choice, which prefers short ways. The agent that found no way goes
-first in the next order, until everyone has been first; then orders are random.
+allows; for odd ones its length in space-time, the paper's choice, which prefers short ways. The agent that
+found no way goes first in the next order, until everyone has been first; then orders are random.
 """
 
 from __future__ import annotations
