@@ -51,7 +51,7 @@ EFFORTS = {"quick": Effort(0.0, 1), "normal": Effort(1.0, 3), "best": Effort(4.0
 # Starts of every rival in tight spaces: so many in all over the number of agents, at least and at most.
 TIGHT_STARTS, FEWEST_STARTS, MOST_TIGHT_STARTS = 160, 2, 8
 # Of more agents fewer seeds are optimised: classes differ less, and plans take longer.
-AGENTS_A_FINALIST = 120
+AGENTS_A_FINALIST = 60
 
 
 def best_seeds(problem: PlanningProblem, *, progress: Progress) -> tuple[Seed, ...]:
@@ -69,20 +69,18 @@ def best_seeds(problem: PlanningProblem, *, progress: Progress) -> tuple[Seed, .
     first = portfolio.find(Budget(settings.rng_seed, deadline, progress))
     effort = EFFORTS[scene.solver.effort]
     deadline = working_time() + settings.time_limit
-    found = [first, *_other_seeds(problem, portfolio, first, effort, deadline)]
-    costs = [own_cost(scene, seed.world_lines) for seed in found]
-    order = sorted(range(len(found)), key=costs.__getitem__)
+    every = [first, *_other_seeds(problem, portfolio, first, effort, deadline)]
+    found = [
+        replace(seed, record=replace(seed.record, starts=len(every), start=number))
+        for number, seed in enumerate(every, start=1)
+    ]
+    # Sorting is stable: of equals the first one found comes first.
+    found.sort(key=lambda seed: own_cost(scene, seed.world_lines))
     if len(found) > 1:
-        progress(
-            f"seed {order[0] + 1} of {len(found)} is the cheapest, by {found[order[0]].found_by}"
-        )
+        best = found[0]
+        progress(f"seed {best.record.start} of {len(found)} is the cheapest, by {best.found_by}")
     most = effort.finalists if portfolio.rivals else 1
-    most = max(1, min(most, AGENTS_A_FINALIST // problem.num_agents))
-    chosen = _distinct(problem, [found[k] for k in order], most)
-    return tuple(
-        replace(seed, record=replace(seed.record, starts=len(found), start=found.index(seed) + 1))
-        for seed in chosen
-    )
+    return _distinct(problem, found, max(1, min(most, AGENTS_A_FINALIST // problem.num_agents)))
 
 
 def _other_seeds(
@@ -100,18 +98,22 @@ def _other_seeds(
                 continue
         return
     worth = min(max(TIGHT_STARTS // problem.num_agents, FEWEST_STARTS), MOST_TIGHT_STARTS)
+    rivals = list(portfolio.rivals)
     for start in range(round(effort.starts_share * worth)):
-        for rival in portfolio.rivals:
+        for rival in tuple(rivals):
             budget = Budget(rng_seed + start, deadline)
             seed = None if budget.spent() else portfolio.find_by(rival, budget)
             if seed is not None:
                 yield seed
+            else:
+                # What failed once mostly fails again, and takes long to do so.
+                rivals.remove(rival)
 
 
-def _distinct(problem: PlanningProblem, seeds: Sequence[Seed], most: int) -> list[Seed]:
+def _distinct(problem: PlanningProblem, seeds: Sequence[Seed], most: int) -> tuple[Seed, ...]:
     """The first `most` of the seeds that are of different classes."""
     if most == 1:
-        return list(seeds[:1])
+        return tuple(seeds[:1])
     chosen: list[Seed] = []
     known: set[bytes] = set()
     for seed in seeds:
@@ -121,7 +123,7 @@ def _distinct(problem: PlanningProblem, seeds: Sequence[Seed], most: int) -> lis
             chosen.append(seed)
         if len(chosen) == most:
             break
-    return chosen
+    return tuple(chosen)
 
 
 def own_cost(scene: Scene, lines: WorldLines) -> float:
