@@ -48,8 +48,8 @@ class Effort:
 
 
 EFFORTS = {"quick": Effort(0.0, 1), "normal": Effort(1.0, 3), "best": Effort(4.0, 6)}
-# Starts of every rival in tight spaces: so many in all over the number of agents, at least and at most.
-TIGHT_STARTS, FEWEST_STARTS, MOST_TIGHT_STARTS = 160, 2, 8
+# A rival that failed so often in a row is asked no more: it mostly fails again, and takes long to do so.
+FAILURES = 2
 # Of more agents fewer seeds are optimised: classes differ less, and plans take longer.
 AGENTS_A_FINALIST = 60
 
@@ -97,17 +97,16 @@ def _other_seeds(
             except SeedingError:
                 continue
         return
-    worth = min(max(TIGHT_STARTS // problem.num_agents, FEWEST_STARTS), MOST_TIGHT_STARTS)
-    rivals = list(portfolio.rivals)
-    for start in range(round(effort.starts_share * worth)):
-        for rival in tuple(rivals):
+    for rival in portfolio.rivals:
+        failures = 0
+        for start in range(round(effort.starts_share * rival.starts)):
             budget = Budget(rng_seed + start, deadline)
-            seed = None if budget.spent() else portfolio.find_by(rival, budget)
+            if budget.spent() or failures == FAILURES:
+                break
+            seed = portfolio.find_by(rival.seeder, budget)
+            failures = failures + 1 if seed is None else 0
             if seed is not None:
                 yield seed
-            else:
-                # What failed once mostly fails again, and takes long to do so.
-                rivals.remove(rival)
 
 
 def _distinct(problem: PlanningProblem, seeds: Sequence[Seed], most: int) -> tuple[Seed, ...]:

@@ -55,6 +55,8 @@ TIGHT_SWEEPS, OPEN_SWEEPS = 400, 1500
 FEW_RADII = 3
 # What relaxation left is mended where no more than this part of the agents touch, or so many pairs.
 MENDED_PART, MENDED_PAIRS = 0.1, 4
+# Starts of relaxation in tight spaces, which take longer than others and differ less.
+RELAXATION_STARTS = 2
 # Preparing what was found may take this part of the time limit over it.
 PREPARATION_TIME = 0.1
 
@@ -102,6 +104,14 @@ class MendedRelaxation:
 
 
 @dataclass(frozen=True)
+class Rival:
+    """A seeder whose seeds compete with others, and how many starts of it a scene is worth."""
+
+    seeder: Seeder
+    starts: int
+
+
+@dataclass(frozen=True)
 class Portfolio:
     """A problem made ready for seeding again and again: all that random numbers do not change.
 
@@ -110,14 +120,14 @@ class Portfolio:
         rendezvous: where pairs meet that have to.
         required: what the margin asks for.
         seeders: in the order they are tried.
-        rivals: seeders whose seeds compete with the first one found, in tight spaces.
+        rivals: whose seeds compete with the first one found, in tight spaces.
     """
 
     problem: PlanningProblem
     rendezvous: tuple[Rendezvous, ...]
     required: Requirement
     seeders: tuple[Seeder, ...]
-    rivals: tuple[Seeder, ...] = ()
+    rivals: tuple[Rival, ...] = ()
 
     def find(self, budget: Budget) -> Seed:
         """Clear initial curves by the first seeder that finds any.
@@ -127,9 +137,9 @@ class Portfolio:
         """
         return self._seed(self._first_clear(budget), budget)
 
-    def find_by(self, rival: Seeder, budget: Budget) -> Seed | None:
-        """Clear initial curves by one of the rivals, None where it finds none."""
-        found = rival.attempt(budget)
+    def find_by(self, seeder: Seeder, budget: Budget) -> Seed | None:
+        """Clear initial curves by one of the seeders, None where it finds none."""
+        found = seeder.attempt(budget)
         try:
             return self._seed(found, budget) if found.clear else None
         except SeedingError:
@@ -239,7 +249,7 @@ def _surroundings(problem: PlanningProblem) -> PlanningProblem:
     return problem if not_connected(near, problem.radii) else near
 
 
-def _seeders(problem: PlanningProblem) -> tuple[tuple[Seeder, ...], tuple[Seeder, ...]]:
+def _seeders(problem: PlanningProblem) -> tuple[tuple[Seeder, ...], tuple[Rival, ...]]:
     """The seeders of the scene's method in the order they are tried, and what competes with them."""
     method = problem.scene.seeding.method
     if method != AUTO:
@@ -251,10 +261,11 @@ def _seeders(problem: PlanningProblem) -> tuple[tuple[Seeder, ...], tuple[Seeder
             MendedRelaxation(Relaxation(problem, OPEN_SWEEPS), Mending(levels)),
             Search(levels),
         ), ()
+    least_cost = LeastCost(levels)
     relaxation = MendedRelaxation(Relaxation(problem, TIGHT_SWEEPS), Mending(levels))
     return (
         Emptying(levels),
         Search(levels, (SOON_EFFORT, SOON_EFFORT)),
         relaxation,
         Search(levels, (SOON_EFFORT + 1, MOST_EFFORT)),
-    ), (LeastCost(levels), relaxation)
+    ), (Rival(least_cost, least_cost.worthwhile_starts), Rival(relaxation, RELAXATION_STARTS))

@@ -26,6 +26,9 @@ from stplan.seeding.seeder import Attempt, Budget, SeedRecord
 
 # Orders tried from one random number: another one is worth more than to go on.
 ORDERS = 6
+# So many starts over the number of agents, or over that of agents, moves and layers; at least, at most.
+STARTED_AGENTS, STARTED_WORK = 160, 10**8
+FEWEST_STARTS, MOST_STARTS = 2, 8
 # Margins tried; smaller ones are left to other searches.
 MARGINS = 2
 # Standing still costs this share of the dearest move, so that nobody wanders where it may as well wait.
@@ -38,6 +41,15 @@ class LeastCost:
 
     name: ClassVar = "least-cost"
     levels: Levels
+
+    @property
+    def worthwhile_starts(self) -> int:
+        """How many starts a scene is worth: fewer of more agents and of larger roadmaps."""
+        problem = self.levels.problem
+        level = self.levels.at(problem.scene.seeding.margin)
+        work = problem.num_agents * len(level.graph.length) * level.layers
+        worth = min(STARTED_AGENTS // problem.num_agents, STARTED_WORK // work)
+        return min(max(worth, FEWEST_STARTS), MOST_STARTS)
 
     def attempt(self, budget: Budget) -> Attempt:
         """Orders on ever smaller margins, until one succeeds."""
