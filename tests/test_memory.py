@@ -49,7 +49,7 @@ def test_a_scene_that_cannot_fit_is_refused_before_it_starts(
     command, scene_file, tmp_path, monkeypatch, capsys
 ):
     monkeypatch.setattr(memory, "available", lambda: 100.0 * memory.MIB)
-    monkeypatch.setattr("stplan.planner.best_seed", None)
+    monkeypatch.setattr("stplan.planner.best_seeds", None)
     with pytest.raises(SystemExit) as left:
         main([command, str(scene_file), "-o", str(tmp_path / "out"), "--json"])
     assert left.value.code == 2

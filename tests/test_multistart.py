@@ -9,9 +9,10 @@ import pytest
 
 from stplan.bench import families_open as wide
 from stplan.bench import families_tight as tight
-from stplan.multistart import best_seed, own_cost, straight_conflicts
+from stplan.multistart import best_seeds, own_cost, straight_conflicts
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.model import Scene
+from stplan.seeding.homotopy import signature
 from stplan.world import build_free_space
 
 
@@ -21,9 +22,8 @@ def started(scene: Scene, starts: int | None = None, rng_seed: int = 0):
         solver=replace(scene.solver, starts=starts),
         seeding=replace(scene.seeding, rng_seed=rng_seed),
     )
-    return best_seed(
-        PlanningProblem.from_scene(scene, build_free_space(scene)), progress=lambda line: None
-    )
+    problem = PlanningProblem.from_scene(scene, build_free_space(scene))
+    return best_seeds(problem, progress=lambda line: None)[0]
 
 
 def conflicts(scene: Scene) -> int:
@@ -51,11 +51,31 @@ def test_auto_makes_more_starts_where_more_pairs_conflict() -> None:
     assert 1 <= few.record.starts < many.record.starts
 
 
-def test_search_makes_one_start_unless_told() -> None:
-    scene = tight.plus_crossing(np.random.default_rng(1), turn=3)
-    seed = started(scene)
-    assert seed.found_by.startswith("search")
-    assert seed.record.starts == 1
+def tight_seeds(effort: str, starts: int | None = None):
+    scene = tight.warehouse(np.random.default_rng(1), robots=6)
+    scene = replace(scene, solver=replace(scene.solver, effort=effort, starts=starts))
+    problem = PlanningProblem.from_scene(scene, build_free_space(scene))
+    return problem, best_seeds(problem, progress=lambda line: None)
+
+
+def test_quick_effort_takes_the_first_seed() -> None:
+    _, seeds = tight_seeds("quick")
+    assert [seed.record.starts for seed in seeds] == [1]
+
+
+def test_seeds_that_are_optimised_are_of_different_classes_the_cheapest_first() -> None:
+    problem, seeds = tight_seeds("normal")
+    assert 1 < len(seeds) <= 3
+    costs = [own_cost(problem.scene, seed.world_lines) for seed in seeds]
+    assert costs == sorted(costs)
+    labels = {signature(problem, list(seed.world_lines.curves())) for seed in seeds}
+    assert len(labels) == len(seeds)
+    assert seeds[0].record.starts > len(seeds)
+
+
+def test_a_number_of_starts_that_is_asked_for_is_made() -> None:
+    _, seeds = tight_seeds("normal", starts=2)
+    assert {seed.record.starts for seed in seeds} == {2}
 
 
 @pytest.mark.parametrize("preferred", [None, 30.0])

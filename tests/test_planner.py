@@ -12,7 +12,7 @@ from stplan.bench.families_open import agent, circle, scene
 from stplan.certify.certificate import certify
 from stplan.clock import Clock
 from stplan.errors import BrokenSeedError, SolverError, StoppedError
-from stplan.multistart import best_seed
+from stplan.multistart import best_seeds
 from stplan.planner import (
     check,
     find_initial_curves,
@@ -38,8 +38,8 @@ def test_every_stage_takes_what_the_one_before_gave() -> None:
     clear = circle(4, 4.0, 12.0)
     problem = prepare(clear)
     assert isinstance(problem, PlanningProblem)
-    initial = find_initial_curves(problem)
-    found = best_seed(problem, progress=lambda line: None)
+    (initial,) = find_initial_curves(problem)
+    (found,) = best_seeds(problem, progress=lambda line: None)
     # Nothing is to be restored here.
     assert np.array_equal(initial.seed.world_lines.knots, found.world_lines.knots)
     assert initial.certificate == certify(clear, None, found.world_lines)
@@ -55,9 +55,9 @@ def test_every_stage_takes_what_the_one_before_gave() -> None:
 
 def test_restoration_comes_between_the_seed_and_its_certificate() -> None:
     problem = prepare(limited())
-    found = best_seed(problem, progress=lambda line: None)
+    (found,) = best_seeds(problem, progress=lambda line: None)
     assert not certify(problem.scene, None, found.world_lines).holds
-    initial = find_initial_curves(problem)
+    (initial,) = find_initial_curves(problem)
     assert initial.certificate.holds
     assert initial.seed.found_by == found.found_by
     assert initial.certificate == certify(problem.scene, None, initial.seed.world_lines)
@@ -119,7 +119,7 @@ def test_the_callback_is_asked_as_soon_as_there_is_something_to_keep(monkeypatch
 
 @pytest.mark.parametrize("command", [plan, seed])
 def test_options_that_ipopt_does_not_know_are_refused_before_any_work(command, monkeypatch) -> None:
-    monkeypatch.setattr("stplan.planner.best_seed", None)
+    monkeypatch.setattr("stplan.planner.best_seeds", None)
     asked = circle(3, 3.0, 12.0)
     for options in ({"no_such_option": 1}, {"mu_strategy": "bogus"}, {"tol": "small"}):
         other = replace(asked, solver=replace(asked.solver, ipopt=options))

@@ -176,7 +176,7 @@ def test_a_second_signal_ends_the_batch_at_once(place):
 
 
 @pytest.mark.parametrize(
-    "phase", ["prepare", "best_seed", "optimise", "certify", "plan_files", "replace"]
+    "phase", ["prepare", "best_seeds", "optimise", "certify", "plan_files", "replace"]
 )
 def test_interrupted_in_any_phase_solve_leaves_whole_files_or_none(place, run, monkeypatch, phase):
     """A real Ctrl-C, sent at the door of the phase."""

@@ -73,7 +73,7 @@ def test_auto_finds_what_the_installed_ipopt_has():
 
 
 def test_a_missing_one_is_named_with_its_place_before_anything_else_is_done(monkeypatch):
-    monkeypatch.setattr("stplan.planner.best_seed", None)
+    monkeypatch.setattr("stplan.planner.best_seeds", None)
     missing = (
         r"solver.linear_solver: the installed Ipopt cannot use 'ma57' \(it is loaded from HSL's"
     )
