@@ -19,7 +19,7 @@ from stplan.arrays import FloatArray
 from stplan.bench import families_open as wide
 from stplan.bench.solves import run, warm_up
 from stplan.certify.certificate import Certificate, certify
-from stplan.errors import UsageError
+from stplan.optional import require
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Scene
@@ -85,12 +85,7 @@ def require_casadi() -> None:
     Raises:
         UsageError: it is not installed.
     """
-    try:
-        import casadi  # noqa: F401
-    except ImportError as error:
-        raise UsageError(
-            "the rival needs CasADi; install it with: pip install 'stplan[rivals]'"
-        ) from error
+    require("casadi", "the rival", extra="rivals")
 
 
 def field(agents: int, draw: int) -> Scene:
