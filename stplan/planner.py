@@ -67,17 +67,24 @@ class Plan:
     Attributes:
         seed: the initial curves.
         trajectories: the optimised curves, None where only a seed was asked for.
-        certificate: of the trajectories, or of the seed.
         report: what report.json holds, repeatable.
         run: what run.json holds, different every time.
     """
 
-    scene: Scene
     seed: WorldLines
     trajectories: WorldLines | None
-    certificate: Certificate
     report: Report
     run: RunRecord
+
+    @property
+    def scene(self) -> Scene:
+        """What was planned."""
+        return self.report.scene
+
+    @property
+    def certificate(self) -> Certificate:
+        """Of the trajectories, or of the seed."""
+        return self.report.certificate
 
     @property
     def status(self) -> Status:
@@ -146,8 +153,7 @@ def seed(scene: Scene, *, progress: Progress | None = None, stop: Stop | None = 
     (initial,) = find_initial_curves(problem, progress=progress, stop=stop, clock=clock)
     found = SeedReport.of(initial.seed, initial.certificate, scene)
     content = Report(scene, Status.SEEDED, initial.certificate, found.metrics, found)
-    lines = initial.seed.world_lines
-    return Plan(scene, lines, None, initial.certificate, content, RunRecord.of(clock))
+    return Plan(initial.seed.world_lines, None, content, RunRecord.of(clock))
 
 
 def check(scene: Scene, lines: WorldLines) -> Certificate:
@@ -259,7 +265,7 @@ def _planned(
     made = OptimisationReport(chosen_linear_solver(scene), costs, optimised.outer_iterations)
     content = Report(scene, status, certificate, metrics(scene, lines), found, made)
     run = RunRecord.of(clock, OptimisationTimes.of(optimised, clock.seconds["optimise"]))
-    return Plan(scene, initial.seed.world_lines, lines, certificate, content, run)
+    return Plan(initial.seed.world_lines, lines, content, run)
 
 
 def _silent(line: str) -> None:

@@ -11,7 +11,7 @@ from typing import Protocol
 
 from stplan.batch.events import GO_ON, Event, Finished, Progress, Started, Stop
 from stplan.batch.folder import found, locked
-from stplan.batch.outcome import Outcome
+from stplan.batch.outcome import Outcome, RunState
 from stplan.batch.result import Batch, Result
 from stplan.batch.runs import Run
 from stplan.batch.summary import SUMMARIES, write_summary
@@ -80,7 +80,7 @@ def run_batch(
         watcher.begin(len(runs))
         _go_through(runs, settings, stop, watcher, results)
         ordered = [
-            results.get(run.name) or Result(run, settings.output / run.name, "not run")
+            results.get(run.name) or Result(run, settings.output / run.name, RunState.NOT_RUN)
             for run in runs
         ]
         batch = Batch(tuple(ordered), interrupted=stop.asked)
@@ -138,7 +138,7 @@ def _without_planning(run: Run, settings: Settings) -> Result | None:
     """The result of a run that needs no planning, or must not have any."""
     folder = settings.output / run.name
     if run.refusal:
-        return Result(run, folder, "refused", run.refusal)
+        return Result(run, folder, RunState.REFUSED, run.refusal)
     if settings.force:
         return None
     there = found(run, folder)

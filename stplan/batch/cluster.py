@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from stplan.batch.events import GO_ON, Event, Finished, Progress, Started, Stop
-from stplan.batch.outcome import Outcome
+from stplan.batch.outcome import Outcome, RunState
 from stplan.batch.runs import Run
 from stplan.batch.worker import execute
 from stplan.errors import UsageError
@@ -105,10 +105,12 @@ class _Submission:
             if attempts <= self._retries:
                 self._submit(self._runs[name])
                 return Progress(name, "the cluster lost its workers; begun again")
-            outcome = Outcome("died", ("the cluster lost the workers that were planning it",))
+            outcome = Outcome(
+                RunState.DIED, ("the cluster lost the workers that were planning it",)
+            )
         except Exception as error:  # what a worker raises that lacks this program, or has another
             what = " ".join(f"{type(error).__name__}: {error}".split())
-            outcome = Outcome("error", (f"a worker of the cluster cannot plan: {what}",))
+            outcome = Outcome(RunState.ERROR, (f"a worker of the cluster cannot plan: {what}",))
         return Finished(name, outcome)
 
 

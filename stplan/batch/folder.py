@@ -9,6 +9,7 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
+from stplan.batch.outcome import RunState
 from stplan.batch.runs import Run
 from stplan.errors import UsageError
 from stplan.files.manifest import why_incomplete
@@ -31,12 +32,12 @@ class Found:
 
     Attributes:
         missing: why the run is to be planned (again); empty where it is done.
-        state: of a run that is done, "certified" or "failed".
+        state: of a run that is done, certified or failed.
         report, times: what its files say.
     """
 
     missing: str
-    state: str = ""
+    state: RunState = RunState.NOT_RUN
     report: RecordedReport = field(default_factory=RecordedReport)
     times: RecordedTimes = field(default_factory=RecordedTimes)
 
@@ -65,7 +66,8 @@ def found(run: Run, folder: Path) -> Found:
     exit_status = {one.value: one.exit_status for one in Status}.get(str(report.status), 130)
     if exit_status == 130 or not report.holds:
         return Found("it was interrupted")
-    return Found("", "failed" if exit_status else "certified", report, times)
+    state = RunState.FAILED if exit_status else RunState.CERTIFIED
+    return Found("", state, report, times)
 
 
 @contextmanager

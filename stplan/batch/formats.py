@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from xml.etree import ElementTree
 
+from stplan.batch.outcome import RunState
 from stplan.batch.result import Batch, Result
 
 # What XML 1.0 cannot hold, not even escaped.
@@ -13,14 +14,14 @@ _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 # `path:line:column: text`, as every message about a scene file begins.
 _PLACE = re.compile(r"(?P<file>.+?):(?P<line>[0-9]+):(?P<column>[0-9]+): (?P<text>.*)", re.DOTALL)
 # The states that a scene or its planning is to blame for; the others are errors of the run.
-_FAILURES = ("no seed", "failed", "timeout")
+_FAILURES = (RunState.NO_SEED, RunState.FAILED, RunState.TIMEOUT)
 
 
 def junit(batch: Batch) -> str:
     """JUnit XML: a test case a run, passed when it is certified."""
     results = batch.results
     failed = [result for result in results if result.state in _FAILURES]
-    skipped = [result for result in results if result.state == "not run"]
+    skipped = [result for result in results if result.state is RunState.NOT_RUN]
     passed = [result for result in results if result.exit_status == 0]
     seconds = sum(result.seconds or 0.0 for result in results)
     root = ElementTree.Element("testsuites")
@@ -49,7 +50,7 @@ def _add_case(suite: ElementTree.Element, result: Result) -> None:
         time=f"{result.seconds or 0.0:.3f}",
     )
     text = _xml("\n".join(result.messages))
-    if result.state == "not run":
+    if result.state is RunState.NOT_RUN:
         ElementTree.SubElement(case, "skipped", message="the batch ended before")
     elif result.exit_status:
         kind = "failure" if result.state in _FAILURES else "error"
@@ -71,7 +72,7 @@ def github(batch: Batch) -> str:
 
 
 def _annotations(result: Result) -> Sequence[str]:
-    if result.state == "not run":
+    if result.state is RunState.NOT_RUN:
         return [_command("warning", {"title": result.run.name}, "not run: the batch ended before")]
     level = "notice" if result.exit_status == 0 else "error"
     messages = result.messages or (() if level == "notice" else (result.state,))

@@ -21,7 +21,7 @@ from multiprocessing.context import SpawnProcess
 from types import FrameType
 
 from stplan.batch.events import Event, Finished, Progress, Started, Stop
-from stplan.batch.outcome import Outcome
+from stplan.batch.outcome import Outcome, RunState
 from stplan.batch.runs import Run
 from stplan.batch.worker import ONE_THREAD, execute
 from stplan.errors import UsageError
@@ -177,16 +177,18 @@ class _Pool:
         how = self._bury(worker)
         if worker.killed_for == "timeout":
             message = f"killed {seconds:.0f} s after it began (--timeout {self._timeout:g})"
-            return Finished(run.name, Outcome("timeout", (message,), {}, seconds))
+            return Finished(run.name, Outcome(RunState.TIMEOUT, (message,), {}, seconds))
         if self._stopping is not None:
             message = "interrupted before there was a result"
-            return Finished(run.name, Outcome("interrupted", (message,), {}, seconds))
+            return Finished(run.name, Outcome(RunState.INTERRUPTED, (message,), {}, seconds))
         attempts = self._attempts[run.name] = self._attempts.get(run.name, 0) + 1
         if attempts <= self._retries:
             self._waiting.appendleft(run)
             return Progress(run.name, f"its worker {how}; begun again")
         times = f", {attempts} times in all" if attempts > 1 else ""
-        return Finished(run.name, Outcome("died", (f"its worker {how}{times}",), {}, seconds))
+        return Finished(
+            run.name, Outcome(RunState.DIED, (f"its worker {how}{times}",), {}, seconds)
+        )
 
     def _bury(self, worker: _Worker) -> str:
         """Forget a dead worker; how it died, in words."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from stplan.batch.outcome import EXIT_STATUS
+from stplan.batch.outcome import RunState
 from stplan.batch.runs import Run
 from stplan.files.recorded import RecordedReport, RecordedTimes
 
@@ -16,7 +16,7 @@ class Result:
 
     Attributes:
         folder: where its files are, if it has any.
-        state: one of `outcome.EXIT_STATUS`.
+        state: whether it is certified, and if not, why.
         messages: what a user should know of it.
         report, times: what its files say; nothing where none were written.
         seconds: wall time of planning it, now or when it was found done; None if unknown.
@@ -25,7 +25,7 @@ class Result:
 
     run: Run
     folder: Path
-    state: str
+    state: RunState
     messages: tuple[str, ...] = ()
     report: RecordedReport = field(default_factory=RecordedReport, repr=False)
     times: RecordedTimes = field(default_factory=RecordedTimes, repr=False)
@@ -35,12 +35,13 @@ class Result:
     @property
     def exit_status(self) -> int:
         """What `stplan solve` would say of this run."""
-        return EXIT_STATUS[self.state]
+        return self.state.exit_status
 
     @property
     def sentence(self) -> str:
         """In one line: the state and the figures that matter most."""
-        parts, report = [self.state], self.report
+        report = self.report
+        parts: list[str] = [self.state]
         if report.smallest_clearance is not None:
             parts.append(f"clearance {report.smallest_clearance:.4g} m")
         if report.latest_arrival is not None:
@@ -54,7 +55,7 @@ class Result:
     @property
     def complaints(self) -> list[str]:
         """What is wrong; nothing where the run is certified or was not begun."""
-        if self.exit_status == 0 or self.state == "not run":
+        if self.exit_status == 0 or self.state is RunState.NOT_RUN:
             return []
         # Messages about a scene begin with their place already.
         prefix = "" if self.run.refusal else f"{self.run.name}: "
@@ -71,14 +72,16 @@ class Batch:
     @property
     def exit_statuses(self) -> list[int]:
         """Of all runs that have one; runs that were not begun have none but the interruption's."""
-        begun = [result.exit_status for result in self.results if result.state != "not run"]
+        begun = [
+            result.exit_status for result in self.results if result.state is not RunState.NOT_RUN
+        ]
         return begun + [130] * self.interrupted
 
     @property
     def counts(self) -> dict[str, int]:
         """How many runs are in each state, those that occur."""
         states = [result.state for result in self.results]
-        return {state: states.count(state) for state in EXIT_STATUS if state in states}
+        return {state: states.count(state) for state in RunState if state in states}
 
     @property
     def sentence(self) -> str:

@@ -6,7 +6,7 @@ import time
 import traceback
 from collections.abc import Callable
 
-from stplan.batch.outcome import Outcome
+from stplan.batch.outcome import Outcome, RunState
 from stplan.batch.runs import Run
 from stplan.errors import (
     OutOfMemoryError,
@@ -16,6 +16,7 @@ from stplan.errors import (
     StplanError,
     as_stplan_error,
 )
+from stplan.status import Status
 
 # A library that counts the cores would have every worker start as many threads.
 ONE_THREAD = dict.fromkeys(
@@ -50,7 +51,7 @@ def execute(
         if known is None:
             what = " ".join(f"{type(error).__name__}: {error}".split())
             details = "".join(traceback.format_exception(error))
-            return Outcome("error", (f"internal error: {what}",), {}, elapsed(), details)
+            return Outcome(RunState.ERROR, (f"internal error: {what}",), {}, elapsed(), details)
         return Outcome(_state(known), tuple(str(known).splitlines()), {}, elapsed())
 
 
@@ -58,8 +59,8 @@ def _interrupted(timeout: float | None, seconds: float) -> Outcome:
     """What there is of a run that ended before it had curves."""
     if timeout is not None and seconds > timeout:
         message = f"stopped after {timeout:g} s (--timeout), before there was a result"
-        return Outcome("timeout", (message,), {}, seconds)
-    return Outcome("interrupted", ("interrupted before there was a result",), {}, seconds)
+        return Outcome(RunState.TIMEOUT, (message,), {}, seconds)
+    return Outcome(RunState.INTERRUPTED, ("interrupted before there was a result",), {}, seconds)
 
 
 def _plan(
@@ -86,20 +87,22 @@ def _plan(
     planned = plan(scene, progress=say, stop=lambda: stop() or late())
     files = plan_files(planned)
     messages = (planned.advice,) if planned.advice else ()
-    if planned.status != "interrupted":
-        return Outcome("failed" if planned.exit_status else "certified", messages, files, elapsed())
+    if planned.status is not Status.INTERRUPTED:
+        state = RunState.FAILED if planned.exit_status else RunState.CERTIFIED
+        return Outcome(state, messages, files, elapsed())
     if late():
         messages = (
             f"stopped after {timeout:g} s (--timeout): these are the best feasible trajectories so far",
         )
-    return Outcome("timeout" if late() else "interrupted", messages, files, elapsed())
+    state = RunState.TIMEOUT if late() else RunState.INTERRUPTED
+    return Outcome(state, messages, files, elapsed())
 
 
-def _state(error: StplanError) -> str:
+def _state(error: StplanError) -> RunState:
     if isinstance(error, SeedingError):
-        return "no seed"
+        return RunState.NO_SEED
     if isinstance(error, OutOfMemoryError):
-        return "out of memory"
+        return RunState.OUT_OF_MEMORY
     if isinstance(error, SceneError) or error.exit_status == 2:
-        return "refused"
-    return "failed"
+        return RunState.REFUSED
+    return RunState.FAILED

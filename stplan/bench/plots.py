@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stplan.errors import UsageError
+from stplan.optional import require
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,13 +34,7 @@ def require_matplotlib() -> None:
     Raises:
         UsageError: it is not installed.
     """
-    try:
-        import matplotlib.figure  # noqa: F401
-    except ImportError as error:
-        raise UsageError(
-            "the figures of the benchmarks need matplotlib; install it with: "
-            "pip install 'stplan[docs]'"
-        ) from error
+    require("matplotlib.figure", "a figure of a benchmark", extra="docs")
 
 
 def growth_figure(title: str, size: str, value: str, series: Sequence[Series]) -> bytes:

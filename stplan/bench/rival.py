@@ -19,7 +19,7 @@ from stplan.arrays import FloatArray
 from stplan.bench import families_open as wide
 from stplan.bench.solves import run, warm_up
 from stplan.certify.certificate import Certificate, certify
-from stplan.errors import UsageError
+from stplan.optional import require
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Scene
@@ -38,7 +38,7 @@ ASKED_COST = 1.01
 
 
 @dataclass(frozen=True)
-class Attempt:
+class RivalAttempt:
     """One run of the rival.
 
     Attributes:
@@ -65,8 +65,8 @@ class Duel:
     kinetic: float
     clearance: float
     certified: bool
-    rival: Attempt
-    unpadded: Attempt
+    rival: RivalAttempt
+    unpadded: RivalAttempt
 
     @property
     def faster(self) -> float:
@@ -85,12 +85,7 @@ def require_casadi() -> None:
     Raises:
         UsageError: it is not installed.
     """
-    try:
-        import casadi  # noqa: F401
-    except ImportError as error:
-        raise UsageError(
-            "the rival needs CasADi; install it with: pip install 'stplan[rivals]'"
-        ) from error
+    require("casadi", "the rival", extra="rivals")
 
 
 def field(agents: int, draw: int) -> Scene:
@@ -117,7 +112,7 @@ def measure(
 def duel(scene: Scene, draw: int, time_limit: float) -> Duel:
     """Plan `scene` with ours, then with the rival until its result is clear or its time is up."""
     ours, _ = run(scene)
-    attempts: list[Attempt] = []
+    attempts: list[RivalAttempt] = []
     for padding in PADDINGS:
         attempts.append(attempt(scene, padding, time_limit))
         # Whoever ran out of time at one distance does not get a larger one in time either.
@@ -135,14 +130,14 @@ def duel(scene: Scene, draw: int, time_limit: float) -> Duel:
     )
 
 
-def attempt(scene: Scene, padding: float, time_limit: float) -> Attempt:
+def attempt(scene: Scene, padding: float, time_limit: float) -> RivalAttempt:
     """The rival's plan with distances enlarged by the share `padding`, judged by our certificate."""
     started = time.perf_counter()
     lines, stats = rival_plan(scene, padding, time_limit)
     seconds = time.perf_counter() - started
     certificate: Certificate = certify(scene, None, lines)
     smallest = certificate.smallest
-    return Attempt(
+    return RivalAttempt(
         padding,
         seconds,
         int(stats["iter_count"]),

@@ -56,7 +56,7 @@ def plot(
       stplan plot outputs/bottleneck
       stplan plot outputs/bottleneck --seed --show map -o bottleneck.svg
     """
-    from stplan.viewing.requirements import require
+    from stplan.optional import require
 
     require("matplotlib", "stplan plot")
     from stplan.viewing.figure import FORMATS, PARTS, figure_bytes
@@ -106,7 +106,7 @@ def animate(
       stplan animate outputs/bottleneck/seed.npz outputs/bottleneck -o both.webp
       stplan animate outputs/bottleneck --speed 2 --fps 20 --size 1280x720 -o talk.gif
     """
-    from stplan.viewing.requirements import require
+    from stplan.optional import require
 
     require("matplotlib", "stplan animate")
     from stplan.viewing.movie import FORMATS, movie_bytes

@@ -6,6 +6,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from stplan.batch.formats import github, junit
+from stplan.batch.outcome import RunState
 from stplan.batch.result import Batch, Result
 from stplan.batch.runs import Run
 
@@ -13,7 +14,7 @@ from stplan.batch.runs import Run
 def result(name: str, state: str, *messages: str, **more) -> Result:
     source = Path(f"scenes/{name}.yaml")
     run = Run(name, source, Path("/scenes"), "", ())
-    return Result(run, Path("results") / name, state, messages, **more)
+    return Result(run, Path("results") / name, RunState(state), messages, **more)
 
 
 BATCH = Batch(

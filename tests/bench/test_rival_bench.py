@@ -14,7 +14,7 @@ from stplan.bench.rival_table import csv_text, markdown_text
 from stplan.certify.certificate import certify
 from stplan.cli.app import main
 
-CLEAR = rival.Attempt(0.1, 6.0, 40, "Solve_Succeeded", 1.05, 0.02, True)
+CLEAR = rival.RivalAttempt(0.1, 6.0, 40, "Solve_Succeeded", 1.05, 0.02, True)
 CLOSE = replace(CLEAR, padding=0.0, seconds=5.0, clearance=-0.03, certified=False)
 DUEL = rival.Duel(16, 0, 1.5, 1.0521, 0.05, True, CLEAR, CLOSE)
 

@@ -77,16 +77,8 @@ class Stage:
             raise self.raises[scene.name]
         status = self.outcomes.get(scene.name, Status.CONVERGED)
         lines = straight_lines(scene)
-        about = self.example.report["scene"] | {
-            "name": scene.name, "source": str(scene.source), "hash": scene.content_hash,
-            "overrides": list(scene.overrides),
-        }  # fmt: skip
-        report = self.example.report | {
-            "status": status, "advice": status.advice, "scene": about,
-        }  # fmt: skip
-        return replace(
-            self.example, scene=scene, seed=lines, trajectories=lines, status=status, report=report
-        )
+        report = replace(self.example.report, scene=scene, status=status)
+        return replace(self.example, seed=lines, trajectories=lines, report=report)
 
 
 _load_scene = stplan.scene.load_scene

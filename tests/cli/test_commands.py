@@ -13,6 +13,7 @@ import pytest
 
 from stplan.cli.console import worst
 from stplan.errors import SeedingError
+from stplan.files.json_file import json_bytes
 from stplan.status import Status
 from tests.cli.conftest import SCENE
 
@@ -33,7 +34,7 @@ def test_solve_writes_and_sums_up(stage, run):
     assert result.out.splitlines() == [
         "one: converged",
         f"  {stage.example.certificate.summary}",
-        f"  kinetic cost {stage.example.report['metrics']['kinetic_over_straight']:.4f} times "
+        f"  kinetic cost {stage.example.report.metrics.kinetic_over_straight:.4f} times "
         "the straight lines', latest arrival 5.00 s",
         "  outputs/one/: seed.csv seed.npz trajectories.csv trajectories.npz report.json run.json",
     ]
@@ -60,7 +61,9 @@ def test_solve_json_is_one_object(stage, run):
     assert first["name"] == "one"
     assert first["folder"] == "there/one"
     assert "there/one/trajectories.csv" in first["files"]
-    assert second["report"]["metrics"] == stage.example.report["metrics"]
+    assert second["report"]["metrics"] == json.loads(
+        json_bytes(stage.example.report.metrics.as_dict())
+    )
     assert result.err == "one: outer iteration 1\ntwo: outer iteration 1\n"
     assert stage.overrides == [("horizon=9",)] * 2
     report = json.loads(Path("there/one/report.json").read_text())

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from stplan.viewing import requirements
+from stplan import optional
 from tests.viewing.runs import hall_run
 
 
@@ -103,7 +103,7 @@ def test_a_missing_package_is_one_sentence(hall, run, monkeypatch, words, missin
             raise ImportError(name)
         return importlib.import_module(name)
 
-    monkeypatch.setattr(requirements, "import_module", without)
+    monkeypatch.setattr(optional, "import_module", without)
     result = run(words[0], hall)
     assert result.status == 2
     assert result.err == f"{message}: pip install 'stplan[view]'\n"

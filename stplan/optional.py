@@ -8,8 +8,8 @@ from types import ModuleType
 from stplan.errors import UsageError
 
 
-def require(module: str, purpose: str) -> ModuleType:
-    """Import an optional package.
+def require(module: str, purpose: str, extra: str = "view") -> ModuleType:
+    """Import a module of an optional package, which `extra` brings.
 
     Raises:
         UsageError: it is not installed; the sentence says how to get it.
@@ -19,5 +19,5 @@ def require(module: str, purpose: str) -> ModuleType:
     except ImportError as error:
         package = module.partition(".")[0].replace("_", "-")
         raise UsageError(
-            f"{purpose} needs the package {package}: pip install 'stplan[view]'"
+            f"{purpose} needs the package {package}: pip install 'stplan[{extra}]'"
         ) from error
