@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 from stplan.arrays import Point
 from stplan.maps.spec import MapSpec
+from stplan.schema.hashing import added
 
 
 @dataclass(frozen=True)
@@ -97,7 +98,7 @@ class SolverSettings:
     """How curves are optimised; None means auto, `barrier_range` inf the unbounded logarithm."""
 
     knots: int | None = None
-    effort: Literal["quick", "normal", "best"] = "normal"
+    effort: Literal["quick", "normal", "best"] = added("normal")
     starts: int | None = None
     mu: float | None = None
     mu_decay: float = 0.5

@@ -171,6 +171,7 @@ _FULL: dict[str, Any] = {
     },
     "solver": {
         "knots": 30,
+        "effort": "best",
         "starts": 4,
         "mu": 0.1,
         "mu_decay": 0.5,

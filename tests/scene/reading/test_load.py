@@ -69,6 +69,7 @@ def test_defaults():
     }
     assert dataclasses.asdict(scene.solver) == {
         "knots": None,
+        "effort": "normal",
         "starts": None,
         "mu": None,
         # Tuned by measurement.
