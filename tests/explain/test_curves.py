@@ -31,7 +31,7 @@ def tight(scene: Scene, **curves: list[list[float]]) -> tuple[Section, Section]:
     crowd = crowd_of(scene, **curves)
     certificate = certify(scene, crowd.free_space, crowd.lines)
     pairs, walls = certified_spots(crowd, certificate)
-    return pair_section(pairs), wall_section(walls)
+    return pair_section(pairs, certificate.num_pairs), wall_section(walls)
 
 
 def test_who_waits_where_and_for_whom():
