@@ -14,7 +14,7 @@ import numpy as np
 from stplan.analysis.crowd import Crowd
 from stplan.analysis.paths import place_at, segment_lengths
 from stplan.arrays import FloatArray
-from stplan.certify.pair_clearance import nearest_moments
+from stplan.certify.pair_clearance import nearest_moments_of
 from stplan.problem.world_lines import WorldLines
 
 # Slower than this share of its mean pace an agent holds back, where somebody is in its way.
@@ -118,9 +118,8 @@ def _first_met(crowd: Crowd, a: int, curve: FloatArray) -> Blocker | None:
     )
     own = crowd.final_time if crowd.stays[a] else float(curve[-1, 2])
     leaves = np.concatenate([[own], crowd.leaves[others]])
-    wanted = np.zeros((len(leaves), len(leaves)), dtype=bool)
-    wanted[0, 1:] = True
-    found = nearest_moments(lines, leaves, wanted)
+    pairs = np.column_stack([np.zeros(len(others), dtype=np.int64), np.arange(1, len(leaves))])
+    found = nearest_moments_of(lines, leaves, pairs)
     overlap = crowd.distance[a, others] - found.distance
     near = np.flatnonzero(overlap > 0)
     if not len(near):

@@ -14,10 +14,11 @@ acceleration in a large w.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stplan.amounts import distinct
 from stplan.arrays import FloatArray
 from stplan.scene.model import Agent, Visit
 
@@ -31,13 +32,18 @@ LONGEST_SHARE = 1.0 / 8.0
 
 @dataclass(frozen=True)
 class Peak:
-    """How near an agent comes to a limit of its motion, and when (s)."""
+    """How near an agent comes to a limit of its motion, and when (s).
+
+    Attributes:
+        coarse: whether it is the length of segments alone that breaks the limit.
+    """
 
     agent: str
     limit: str
     allowed: float
     reached: float
     time: float
+    coarse: bool = False
 
     @property
     def holds(self) -> bool:
@@ -47,10 +53,17 @@ class Peak:
     def __str__(self) -> str:
         """In words."""
         unit = "m/s" if self.limit == "speed" else "m/s2"
-        return (
-            f"{self.agent}: {self.limit} {self.reached:.6g} {unit} at t = {self.time:.6g} s; "
-            f"at most {self.allowed:.6g} {unit} is allowed"
+        reached, allowed = distinct(self.reached, self.allowed, digits=6)
+        sentence = (
+            f"{self.agent}: {self.limit} {reached} {unit} at t = {self.time:.6g} s; "
+            f"at most {allowed} {unit} is allowed"
         )
+        if self.coarse:
+            sentence += (
+                ", and its segments are too long to tell more: the change counts as lasting "
+                f"{LONGEST_SHARE:g} of its time; give it more knots"
+            )
+        return sentence
 
 
 def motion_peaks(agent: Agent, curve: FloatArray) -> list[Peak]:
@@ -68,11 +81,13 @@ def motion_peaks(agent: Agent, curve: FloatArray) -> list[Peak]:
         change = np.diff(np.vstack([rest, velocity, rest]), axis=0)
         half = np.concatenate([[0.0], 0.5 * step[:, 2], [0.0]])
         longest = LONGEST_SHARE * float(curve[-1, 2] - curve[0, 2])
-        lasting = np.minimum(half[:-1] + half[1:], longest)
-        acceleration = np.hypot(change[:, 0], change[:, 1]) / lasting
+        between, jump = half[:-1] + half[1:], np.hypot(change[:, 0], change[:, 1])
+        acceleration = jump / np.minimum(between, longest)
         worst = int(acceleration.argmax())
         limit, reached = agent.max_acceleration, float(acceleration[worst])
-        peaks.append(Peak(agent.id, "acceleration", limit, reached, float(curve[worst, 2])))
+        peak = Peak(agent.id, "acceleration", limit, reached, float(curve[worst, 2]))
+        coarse = not peak.holds and float((jump / between).max()) <= limit
+        peaks.append(replace(peak, coarse=coarse))
     return peaks
 
 
