@@ -13,6 +13,9 @@ from typing import Any, Literal
 from stplan.arrays import Point
 from stplan.maps.spec import MapSpec
 
+# How initial curves may be found: by one seeder, or by the portfolio of them.
+SeedingMethod = Literal["auto", "dijkstra", "search", "relaxation"]
+
 
 @dataclass(frozen=True)
 class Weights:
@@ -85,7 +88,7 @@ class PairRule:
 class SeedingSettings:
     """How initial curves are found; `layers` None means auto."""
 
-    method: Literal["auto", "dijkstra", "search", "relaxation"] = "auto"
+    method: SeedingMethod = "auto"
     layers: int | None = None
     margin: float = 1.05
     time_limit: float = 60.0
