@@ -15,8 +15,6 @@ from pathlib import Path
 from stplan.errors import SceneError
 
 MIB = 2**20
-# Agents have at least so many knots where the scene does not say how many.
-LEAST_KNOTS = 20
 # Bytes of the program and its compiled kernels; of a knot without any contact: its blocks in Ipopt's
 # matrix and their factors; of a pair of agents: its settings and its range, both ways round.
 PROGRAM = 200 * MIB

@@ -13,6 +13,7 @@ from stplan.bench.families_open import circle
 from stplan.cli.app import main
 from stplan.errors import SceneError
 from stplan.planner import plan
+from stplan.problem.planning_problem import LEAST_AUTO_KNOTS
 
 SCENE = """
 stplan: 1
@@ -32,7 +33,7 @@ def test_need_grows_with_knots_and_pairs():
 def test_a_scene_needs_no_less_than_what_is_said_before_it_starts():
     scene = circle(6, 6.0, 12.0)
     planned = plan(scene)
-    least = memory.least_need(6, 6 * memory.LEAST_KNOTS)
+    least = memory.least_need(6, 6 * LEAST_AUTO_KNOTS)
     assert planned.run.peak_memory_mib * memory.MIB > least
     assert memory.peak() >= least
 
@@ -56,7 +57,7 @@ def test_a_scene_that_cannot_fit_is_refused_before_it_starts(
     record = json.loads(capsys.readouterr().out)
     assert record["scenes"][0]["messages"] == [
         "pair: needs at least 0.2 GiB of memory, and 0.1 GiB are available: "
-        "2 agents make 1 pairs, and 40 knots"
+        "2 agents make 1 pairs, and 60 knots"
     ]
     assert not (tmp_path / "out").exists()
 

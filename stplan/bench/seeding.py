@@ -13,7 +13,6 @@ import zlib
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Literal
 
 import numpy as np
 
@@ -23,20 +22,22 @@ from stplan.certify.certificate import certify
 from stplan.errors import SeedingError, UsageError
 from stplan.problem.kinetic import total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
-from stplan.scene.model import Scene
+from stplan.scene.model import Scene, SeedingMethod
 from stplan.seeding.portfolio import find_seed
 from stplan.world import build_free_space
 
 Draw = Callable[[np.random.Generator], Scene]
 Progress = Callable[[str], None]
-Method = Literal["auto", "search", "relaxation"]
 
 FIELD = "open field 0.06"
 SMALL_DRAWS, FULL_DRAWS = 3, 20
 # Seconds (s) a seed may take in search; small crowds need far fewer.
 SMALL_LIMIT, FULL_LIMIT = 5.0, 60.0
 # Families and methods that between them need every part of the portfolio.
-WARM_UP: tuple[tuple[str, Method], ...] = (("corridor 3 r", "relaxation"), ("plus left", "search"))
+WARM_UP: tuple[tuple[str, SeedingMethod], ...] = (
+    ("corridor 3 r", "relaxation"),
+    ("plus left", "search"),
+)
 
 
 @dataclass(frozen=True)
@@ -210,7 +211,7 @@ def measure(
 
 
 def measure_one(
-    family: Family, draw: int, time_limit: float, method: Method = "auto"
+    family: Family, draw: int, time_limit: float, method: SeedingMethod = "auto"
 ) -> Measurement:
     """Seed one draw; a seed counts when its certificate holds."""
     scene = draw_scene(family, draw)

@@ -13,12 +13,15 @@ import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray
 from stplan.geometry.boundary_grid import BoundaryGrid
-from stplan.memory import LEAST_KNOTS, require_memory
+from stplan.memory import require_memory
 from stplan.scene.interactions import Interactions, Meeting, scene_interactions, scene_meetings
 from stplan.scene.model import Scene
 from stplan.scene.presence import present_until
 from stplan.world.free_space import FreeSpace
 from stplan.world.placement import fitted_free_space
+
+# Agents that plan their motion get at least so many knots where the scene does not say how many.
+LEAST_AUTO_KNOTS = 30
 
 
 @dataclass(frozen=True)
@@ -162,6 +165,7 @@ def prepare(scene: Scene) -> PlanningProblem:
     Raises:
         SceneError: the scene does not fit into memory, or its agents do not fit their map.
     """
-    count = len(scene.agents)
-    require_memory(scene.name, count, count * (scene.solver.knots or LEAST_KNOTS))
+    planned = scene.solver.knots or LEAST_AUTO_KNOTS
+    knots = sum(planned if agent.path is None else len(agent.path) for agent in scene.agents)
+    require_memory(scene.name, len(scene.agents), knots)
     return PlanningProblem.from_scene(scene, fitted_free_space(scene))

@@ -14,6 +14,9 @@ from stplan.arrays import Point
 from stplan.maps.spec import MapSpec
 from stplan.schema.hashing import added
 
+# How initial curves may be found: by one seeder, or by the portfolio of them.
+SeedingMethod = Literal["auto", "dijkstra", "search", "relaxation"]
+
 
 @dataclass(frozen=True)
 class Weights:
@@ -86,7 +89,7 @@ class PairRule:
 class SeedingSettings:
     """How initial curves are found; `layers` None means auto."""
 
-    method: Literal["auto", "dijkstra", "search", "relaxation"] = "auto"
+    method: SeedingMethod = "auto"
     layers: int | None = None
     margin: float = 1.05
     time_limit: float = 60.0

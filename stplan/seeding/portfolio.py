@@ -38,7 +38,7 @@ from stplan.seeding.search.levels import Levels
 from stplan.seeding.search.mending import Mending
 from stplan.seeding.search.schedule import MOST_EFFORT, SOON_EFFORT, Search
 from stplan.seeding.search.sequential_dijkstra import SequentialDijkstra
-from stplan.seeding.seeder import Attempt, Budget, Progress, Seeder, SeedRecord
+from stplan.seeding.seeder import Budget, Progress, SeedAttempt, Seeder, SeedRecord
 from stplan.seeding.shortcutting.shortcuts import prepare_seed
 from stplan.seeding.time_bounds import out_of_time
 from stplan.world import FreeSpace
@@ -84,7 +84,7 @@ class MendedRelaxation:
     relaxation: Relaxation
     mending: Mending
 
-    def attempt(self, budget: Budget) -> Attempt:
+    def attempt(self, budget: Budget) -> SeedAttempt:
         """Relax, then mend."""
         found = self.relaxation.attempt(budget)
         if found.clear or not self._worth_mending(found) or budget.spent():
@@ -95,7 +95,7 @@ class MendedRelaxation:
         record = replace(found.record, margin=mended.record.margin, tries=mended.record.tries)
         return replace(mended, found_by=f"{found.found_by}, repaired", record=record)
 
-    def _worth_mending(self, found: Attempt) -> bool:
+    def _worth_mending(self, found: SeedAttempt) -> bool:
         """Whether there are few places that touch."""
         agents = {agent for pair in found.touching for agent in pair}
         few = len(found.touching) <= MENDED_PAIRS
@@ -160,7 +160,7 @@ class Portfolio:
         lines = WorldLines.from_curves(self.problem.agent_ids, curves)
         return Seed(lines, found.found_by, found.record, self.rendezvous)
 
-    def _first_clear(self, budget: Budget) -> Attempt:
+    def _first_clear(self, budget: Budget) -> SeedAttempt:
         reasons: list[Reason] = []
         for seeder in self.seeders:
             found = seeder.attempt(budget)
@@ -177,7 +177,7 @@ class Portfolio:
     def _time_limit(self) -> float:
         return self.problem.scene.seeding.time_limit
 
-    def _prepared(self, found: Attempt, budget: Budget) -> list[FloatArray]:
+    def _prepared(self, found: SeedAttempt, budget: Budget) -> list[FloatArray]:
         """The curves that were found, tightened where search found them, shortened and retimed."""
         settings = self.problem.scene.seeding
         budget = replace(budget, deadline=budget.deadline + PREPARATION_TIME * settings.time_limit)

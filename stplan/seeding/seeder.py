@@ -68,7 +68,7 @@ class SeedRecord:
 
 
 @dataclass(frozen=True)
-class Attempt:
+class SeedAttempt:
     """What came of one attempt.
 
     Attributes:
@@ -92,7 +92,7 @@ class Attempt:
         """How much search tried."""
         return self.record.tries or 0
 
-    def counting(self, tries: int) -> Attempt:
+    def counting(self, tries: int) -> SeedAttempt:
         """The same with so many tries on its record."""
         return replace(self, record=replace(self.record, tries=tries))
 
@@ -100,6 +100,6 @@ class Attempt:
 class Seeder(Protocol):
     """A way to find clear initial curves of one problem."""
 
-    def attempt(self, budget: Budget) -> Attempt:
+    def attempt(self, budget: Budget) -> SeedAttempt:
         """Clear curves, or why there are none."""
         ...

@@ -20,7 +20,7 @@ from stplan.seeding.portfolio import AUTO, Seed, find_seed, prepare_portfolio
 from stplan.seeding.registry import SEEDERS
 from stplan.seeding.search.levels import Levels
 from stplan.seeding.search.schedule import Search
-from stplan.seeding.seeder import Attempt, Budget
+from stplan.seeding.seeder import Budget, SeedAttempt
 from stplan.seeding.shortcutting.shortcuts import take_shortcuts
 from stplan.world import build_free_space
 from tests.seeding.families import circle
@@ -33,9 +33,9 @@ ROOM = rectangle(0, 0, 8, 6)
 class Given:
     """A seeder that finds what it is given."""
 
-    found: Attempt
+    found: SeedAttempt
 
-    def attempt(self, budget: Budget) -> Attempt:
+    def attempt(self, budget: Budget) -> SeedAttempt:
         return self.found
 
 

@@ -12,7 +12,7 @@ from pydantic import Field
 
 from stplan.maps.registry import MapFile
 from stplan.scene.format.agents import MOST_AGENTS, AgentEntry, SharedFields
-from stplan.scene.model import SeedingSettings, SolverSettings
+from stplan.scene.model import SeedingMethod, SeedingSettings, SolverSettings
 from stplan.schema.mapping import GIVEN as _GIVEN
 from stplan.schema.mapping import FileModel as _Model
 from stplan.schema.mapping import key as _key
@@ -81,7 +81,7 @@ class GroupFile(PairSettingsFile):
 class SeedingFile(_Model):
     """How initial curves are found."""
 
-    method: Literal["auto", "dijkstra", "search", "relaxation"] = Field(
+    method: SeedingMethod = Field(
         _SEEDING.method, description="way of finding initial curves; auto tries several"
     )
     layers: Annotated[int | Literal["auto"], Or(_LAYERS, "auto")] = Field(

@@ -27,7 +27,7 @@ from stplan.seeding.elastic_bands.sweeps import (
     band_crosses,
     sweep_bands,
 )
-from stplan.seeding.seeder import Attempt, SeedRecord
+from stplan.seeding.seeder import SeedAttempt, SeedRecord
 
 NAME = "relaxation"
 # Knots of a band while it relaxes, and sweeps at most.
@@ -74,7 +74,7 @@ def relax(
     rng_seed: int = 0,
     max_sweeps: int = MOST_SWEEPS,
     stopped: Callable[[], bool] = lambda: False,
-) -> Attempt:
+) -> SeedAttempt:
     """Push rods apart until they hold what is `required`, until the sweeps are used up, or until `stopped`.
 
     `initial` curves (n, 3) must not cross walls and have to pass the waypoints; without them the
@@ -96,7 +96,7 @@ def relax(
             break
     record = SeedRecord(sweeps=relaxation.sweeps, retensions=relaxation.retensions)
     found = relaxation.bands.curves(problem)
-    return Attempt(NAME, found, clear=clear, record=record, touching=tuple(touching))
+    return SeedAttempt(NAME, found, clear=clear, record=record, touching=tuple(touching))
 
 
 def _attainable(

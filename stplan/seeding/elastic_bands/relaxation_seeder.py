@@ -16,7 +16,7 @@ from stplan.reasons import Reason
 from stplan.seeding.elastic_bands.geodesics import geodesic_curves
 from stplan.seeding.elastic_bands.relaxation import MOST_SWEEPS, NAME, RELAXATION_KNOTS, relax
 from stplan.seeding.infeasibility import touching
-from stplan.seeding.seeder import Attempt, Budget
+from stplan.seeding.seeder import Budget, SeedAttempt
 
 
 @dataclass(frozen=True)
@@ -43,12 +43,12 @@ class Relaxation:
             return None
         return geodesic_curves(self.problem)
 
-    def attempt(self, budget: Budget) -> Attempt:
+    def attempt(self, budget: Budget) -> SeedAttempt:
         """Sweep until everybody is clear."""
         problem = self.problem
         ways = None if self.ways is None else [way for way in self.ways if way is not None]
         if ways is not None and len(ways) < problem.num_agents:
-            return Attempt(self.name, reasons=self._without_way())
+            return SeedAttempt(self.name, reasons=self._without_way())
         budget.progress("seeding by relaxation")
         found = relax(
             problem,
@@ -66,7 +66,7 @@ class Relaxation:
         return tuple(Reason("no way", (name,)) for name, way in named if way is None)
 
 
-def _why(problem: PlanningProblem, found: Attempt) -> tuple[Reason, ...]:
+def _why(problem: PlanningProblem, found: SeedAttempt) -> tuple[Reason, ...]:
     """What relaxation could not part."""
     if found.touching:
         return touching(problem, found.curves, found.touching)

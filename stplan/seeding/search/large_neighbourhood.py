@@ -17,7 +17,7 @@ from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.seeding.search.conflicts import CurveSet
 from stplan.seeding.search.layered_dijkstra import space_time_length
 from stplan.seeding.search.planner import LayeredPlanner
-from stplan.seeding.seeder import Attempt
+from stplan.seeding.seeder import SeedAttempt
 
 NAME = "repair"
 
@@ -69,7 +69,7 @@ def replan_neighbourhoods(
     rng: np.random.Generator,
     max_iterations: int,
     stopped: Callable[[], bool],
-) -> Attempt:
+) -> SeedAttempt:
     """Replan neighbourhoods of `curves` until no pair touches, or a limit is hit."""
     planner.reset()
     state = CurveSet(planner)
@@ -97,7 +97,7 @@ def replan_neighbourhoods(
         elif state.num_conflicts < best.num_conflicts:
             best = state.copy()
     pairs = tuple((int(a), int(b)) for a, b in np.argwhere(np.triu(best.conflicts)))
-    found = Attempt(NAME, best.all_curves(), clear=not pairs, touching=pairs)
+    found = SeedAttempt(NAME, best.all_curves(), clear=not pairs, touching=pairs)
     return found.counting(iterations)
 
 

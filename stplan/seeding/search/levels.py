@@ -49,10 +49,15 @@ class Level:
 
 
 class Levels:
-    """The levels of one problem, each made when it is first asked for."""
+    """The levels of one problem, each made when it is first asked for.
+
+    Attributes:
+        ruled_out: margins whose roadmap is known to have no solution, and why.
+    """
 
     def __init__(self, problem: PlanningProblem) -> None:
         self.problem = problem
+        self.ruled_out: dict[float, tuple[Reason, ...]] = {}
         self._known: dict[float, Level] = {}
 
     def at(self, margin: float) -> Level:

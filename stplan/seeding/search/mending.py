@@ -16,7 +16,7 @@ from stplan.seeding.infeasibility import touching
 from stplan.seeding.margins import SMALLER_MARGINS
 from stplan.seeding.search.large_neighbourhood import replan_neighbourhoods
 from stplan.seeding.search.levels import Level, Levels, off_roadmap, out_of_layers
-from stplan.seeding.seeder import Attempt, Budget, SeedRecord
+from stplan.seeding.seeder import Budget, SeedAttempt, SeedRecord
 
 # Margins and multiples of the layers with which curves are mended.
 _WIDEST, _NARROWEST = SMALLER_MARGINS[0], SMALLER_MARGINS[-1]
@@ -33,7 +33,7 @@ class Mending:
     name: ClassVar = "repair"
     levels: Levels
 
-    def attempt_from(self, curves: Sequence[FloatArray], budget: Budget) -> Attempt:
+    def attempt_from(self, curves: Sequence[FloatArray], budget: Budget) -> SeedAttempt:
         """`curves` (n, 3), one an agent, with other curves where pairs touch.
 
         Each must be clear of the walls and meet its ends. Agents that are not replanned keep their
@@ -63,7 +63,7 @@ class Mending:
             reasons = touching(problem, mended.curves, mended.touching)
             if budget.spent():
                 break
-        return Attempt(self.name, record=SeedRecord(tries=tries), reasons=reasons)
+        return SeedAttempt(self.name, record=SeedRecord(tries=tries), reasons=reasons)
 
 
 def _required(level: Level, curves: Sequence[FloatArray]) -> Requirement:

@@ -13,7 +13,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.seeding.search.planner import LayeredPlanner
-from stplan.seeding.seeder import Attempt
+from stplan.seeding.seeder import SeedAttempt
 
 NAME = "prioritized"
 
@@ -68,21 +68,21 @@ def plan_prioritized(
     rng: np.random.Generator,
     max_tries: int,
     stopped: Callable[[], bool],
-) -> Attempt:
+) -> SeedAttempt:
     """Try up to `max_tries` orders, longest ways first, then bumped, random and held ones."""
     movers = planner.movers
     order = sorted(movers, key=lambda agent: -int(planner.journeys.distance[agent]))
     bumps = 0
     for attempt in range(max_tries):
         if attempt > 0 and stopped():
-            return Attempt(NAME).counting(attempt)
+            return SeedAttempt(NAME).counting(attempt)
         holds = np.zeros(planner.problem.num_agents, dtype=np.int64)
         if attempt > min(2 * len(movers), 12) and rng.random() < 0.6:
             holds = random_holds(planner, rng, max(1, len(movers) // 3))
         guard = GUARD_LAYERS if attempt % 3 != 2 else 0
         curves, failed = plan_in_order(planner, order, holds, guard, stopped)
         if curves is not None:
-            return Attempt(NAME, curves, clear=True).counting(attempt + 1)
+            return SeedAttempt(NAME, curves, clear=True).counting(attempt + 1)
         if bumps < len(movers) and order[0] != failed:
             order.remove(failed)
             order.insert(0, failed)
@@ -90,4 +90,4 @@ def plan_prioritized(
         else:
             order = [int(agent) for agent in rng.permutation(movers)]
             bumps = 0
-    return Attempt(NAME).counting(max_tries)
+    return SeedAttempt(NAME).counting(max_tries)

@@ -18,13 +18,13 @@ from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.seeding.search.conflicts import CurveSet
 from stplan.seeding.search.planner import LayeredPlanner
 from stplan.seeding.search.prioritized import random_holds
-from stplan.seeding.seeder import Attempt
+from stplan.seeding.seeder import SeedAttempt
 
 NAME = "priority-based"
 
 
 @dataclass(frozen=True)
-class _Node:
+class _PartialOrder:
     """Curves under a partial order: ``above[a, b]`` says that b yields to a, transitively."""
 
     curves: CurveSet
@@ -37,7 +37,7 @@ def plan_priority_based(
     max_restarts: int,
     max_nodes: int,
     stopped: Callable[[], bool],
-) -> Attempt:
+) -> SeedAttempt:
     """Search up to `max_restarts` trees of up to `max_nodes` nodes each."""
     nodes = 0
     holds = np.zeros(planner.problem.num_agents, dtype=np.int64)
@@ -47,10 +47,10 @@ def plan_priority_based(
         curves, expanded = _search_tree(planner, holds, max_nodes, stopped)
         nodes += expanded
         if curves is not None:
-            return Attempt(NAME, curves, clear=True).counting(nodes)
+            return SeedAttempt(NAME, curves, clear=True).counting(nodes)
         if stopped():
             break
-    return Attempt(NAME).counting(nodes)
+    return SeedAttempt(NAME).counting(nodes)
 
 
 def _search_tree(
@@ -80,7 +80,7 @@ def _search_tree(
     return None, nodes
 
 
-def _root(planner: LayeredPlanner, holds: IntArray) -> _Node | None:
+def _root(planner: LayeredPlanner, holds: IntArray) -> _PartialOrder | None:
     """Everybody alone; agents whose motion is prescribed are above all others."""
     planner.reset()
     curves = CurveSet(planner)
@@ -93,18 +93,18 @@ def _root(planner: LayeredPlanner, holds: IntArray) -> _Node | None:
             return None
         curves.put(agent, planner.curve(agent, way))
     count = planner.problem.num_agents
-    return _Node(curves, np.zeros((count, count), dtype=bool))
+    return _PartialOrder(curves, np.zeros((count, count), dtype=bool))
 
 
-def _open_conflict(node: _Node) -> tuple[int, int] | None:
+def _open_conflict(node: _PartialOrder) -> tuple[int, int] | None:
     """The first touching pair."""
     touching = np.argwhere(node.curves.conflicts)
     return (int(touching[0, 0]), int(touching[0, 1])) if len(touching) else None
 
 
 def _child(
-    planner: LayeredPlanner, node: _Node, upper: int, lower: int, holds: IntArray
-) -> _Node | None:
+    planner: LayeredPlanner, node: _PartialOrder, upper: int, lower: int, holds: IntArray
+) -> _PartialOrder | None:
     """`node` with `lower` below `upper`, replanned as that demands; None if that fails."""
     if node.above[lower, upper]:
         return None
@@ -126,4 +126,4 @@ def _child(
         if path is None:
             return None
         curves.put(agent, planner.curve(agent, path))
-    return _Node(curves, above)
+    return _PartialOrder(curves, above)

@@ -24,7 +24,7 @@ from stplan.seeding.search.levels import Levels, off_roadmap, out_of_layers
 from stplan.seeding.search.planner import LayeredPlanner
 from stplan.seeding.search.prioritized import plan_prioritized
 from stplan.seeding.search.priority_based import plan_priority_based
-from stplan.seeding.seeder import Attempt, Budget, SeedRecord
+from stplan.seeding.seeder import Budget, SeedAttempt, SeedRecord
 
 # Priority-based search grows slow with the number of agents; beyond a few it comes late.
 FEW_PRIORITY_BASED = 12
@@ -67,26 +67,27 @@ class Search:
     levels: Levels
     efforts: tuple[int, int] = (SOON_EFFORT, MOST_EFFORT)
 
-    def attempt(self, budget: Budget) -> Attempt:
+    def attempt(self, budget: Budget) -> SeedAttempt:
         """Stage after stage, until one succeeds."""
         problem = self.levels.problem
         paths = [path for path in problem.paths if path is not None]
         margins = margin_ladder(problem.scene.seeding.margin)
         if len(paths) == problem.num_agents:
             record = SeedRecord(margin=margins[0], tries=0)
-            return Attempt(f"{self.name} (prescribed paths)", paths, clear=True, record=record)
-        hopeless: set[int] = set()
+            return SeedAttempt(f"{self.name} (prescribed paths)", paths, clear=True, record=record)
+        ruled_out = self.levels.ruled_out
         reasons: tuple[Reason, ...] = ()
         tries = 0
         for number, stage in enumerate(schedule(len(margins))):
-            if stage.level in hopeless or not self.efforts[0] <= stage.effort <= self.efforts[1]:
+            margin = margins[stage.level]
+            if margin in ruled_out or not self.efforts[0] <= stage.effort <= self.efforts[1]:
                 continue
             if budget.spent():
                 break
-            level = self.levels.at(margins[stage.level])
+            level = self.levels.at(margin)
             if level.journeys.stranded():
-                reasons = reasons or off_roadmap(level)
-                hopeless.add(stage.level)
+                ruled_out[margin] = off_roadmap(level)
+                reasons = reasons or ruled_out[margin]
                 continue
             if budget.spent():
                 break
@@ -106,13 +107,14 @@ class Search:
                 return replace(found, found_by=f"{self.name} ({found.found_by})", record=record)
             reasons = found.reasons or reasons
             if any(reason.kind == "blocked" for reason in found.reasons):
-                hopeless.add(stage.level)
-        return Attempt(self.name, record=SeedRecord(tries=tries), reasons=reasons)
+                ruled_out[margin] = found.reasons
+        reasons = reasons or next(iter(ruled_out.values()), ())
+        return SeedAttempt(self.name, record=SeedRecord(tries=tries), reasons=reasons)
 
 
 def _run_stage(
     planner: LayeredPlanner, stage: Stage, rng: np.random.Generator, budget: Budget
-) -> Attempt:
+) -> SeedAttempt:
     """One stage: three planners and a joint search, each with an effort that grows with the stage's."""
     count = len(planner.movers)
     stopped = budget.spent
@@ -139,10 +141,10 @@ def _run_stage(
         joint = plan_jointly(planner, group, rng, stopped)
         tries += 1
         if joint.curves is not None:
-            return Attempt("joint", joint.curves, clear=True).counting(tries)
+            return SeedAttempt("joint", joint.curves, clear=True).counting(tries)
         if joint.impossible:
             reasons = no_way_past(planner.problem, group, planner.graph.num_vertices)
-            return Attempt("joint", reasons=reasons).counting(tries)
+            return SeedAttempt("joint", reasons=reasons).counting(tries)
     reasons = touching(planner.problem, mended.curves, mended.touching)
     return replace(mended, reasons=reasons).counting(tries)
 

@@ -27,7 +27,7 @@ from stplan.seeding.search.layered_dijkstra import HARD, space_time_length
 from stplan.seeding.search.levels import Level, out_of_layers
 from stplan.seeding.search.planner import Journeys, LayeredPlanner
 from stplan.seeding.search.roadmap import Roadmap, mesh_roadmap
-from stplan.seeding.seeder import Attempt, Budget, SeedRecord
+from stplan.seeding.seeder import Budget, SeedAttempt, SeedRecord
 from stplan.world import build_seeding_mesh
 
 LAYER_FACTORS = (1, 2, 4)
@@ -57,7 +57,7 @@ class SequentialDijkstra:
         journeys = Journeys(self.problem, graph, self.roadmap.place_of, required)
         return Level(self.problem, margin, required, graph, journeys)
 
-    def attempt(self, budget: Budget) -> Attempt:
+    def attempt(self, budget: Budget) -> SeedAttempt:
         """Few layers and the widest margin first."""
         problem = self.problem
         rng = np.random.default_rng(budget.rng_seed)
@@ -80,11 +80,11 @@ class SequentialDijkstra:
                 tries += orders
                 if curves is not None and not verify(problem, curves, planner.required):
                     record = SeedRecord(margin=level.margin, tries=tries)
-                    return Attempt(self.name, curves, clear=True, record=record)
+                    return SeedAttempt(self.name, curves, clear=True, record=record)
                 reasons = no_order(problem, failures)
                 if budget.spent():
-                    return Attempt(self.name, reasons=reasons).counting(tries)
-        return Attempt(self.name, reasons=reasons).counting(tries)
+                    return SeedAttempt(self.name, reasons=reasons).counting(tries)
+        return SeedAttempt(self.name, reasons=reasons).counting(tries)
 
 
 def _in_orders(

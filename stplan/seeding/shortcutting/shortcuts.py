@@ -13,7 +13,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray
 from stplan.problem.kinetic import total_kinetic_cost
-from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.planning_problem import LEAST_AUTO_KNOTS, PlanningProblem
 from stplan.problem.requirement import Requirement, held_requirement
 from stplan.problem.verification import verify
 from stplan.seeding.shortcutting.resampling import resample_curve
@@ -21,8 +21,7 @@ from stplan.seeding.shortcutting.retiming import even_knots
 from stplan.seeding.shortcutting.rod_field import build_field, enter_rod
 from stplan.seeding.shortcutting.shortcut_kernels import shortcut_round
 
-# Knots an agent gets by default: enough for the bends of its shortened curve.
-LEAST_AUTO_KNOTS = 30
+# Knots an agent gets by default: enough for the bends of its shortened curve, but no more than these.
 MOST_AUTO_KNOTS = 100
 KNOTS_PER_BEND = 2
 # Durations allowed, as parts of the mean: as even as the bends permit.

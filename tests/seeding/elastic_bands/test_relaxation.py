@@ -15,7 +15,7 @@ from stplan.problem.requirement import requirement
 from stplan.problem.verification import verify
 from stplan.scene.model import Agent, PairRule, Scene, Weights
 from stplan.seeding.elastic_bands.relaxation import relax
-from stplan.seeding.seeder import Attempt
+from stplan.seeding.seeder import SeedAttempt
 from stplan.seeding.shortcutting.shortcuts import prepare_seed
 from stplan.world import FreeSpace
 from tests.seeding.families import (
@@ -32,7 +32,7 @@ from tests.seeding.families import (
 
 def relaxed(
     one: Scene, space: FreeSpace | None = None, initial: list[FloatArray] | None = None
-) -> tuple[PlanningProblem, Attempt]:
+) -> tuple[PlanningProblem, SeedAttempt]:
     """The scene relaxed with the default margin, proven clear with it if solved."""
     problem = PlanningProblem.from_scene(one, space)
     result = relax(problem, requirement(problem, 1.02), initial, max_sweeps=600)

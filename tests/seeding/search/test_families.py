@@ -16,7 +16,7 @@ from stplan.seeding.elastic_bands.geodesics import geodesic_curves
 from stplan.seeding.search.levels import Levels
 from stplan.seeding.search.mending import Mending
 from stplan.seeding.search.schedule import Search
-from stplan.seeding.seeder import Attempt
+from stplan.seeding.seeder import SeedAttempt
 from stplan.wording import sentences
 from stplan.world import build_free_space
 from tests.seeding import tight_families as families
@@ -28,7 +28,7 @@ def prepared(scene: Scene) -> PlanningProblem:
     return PlanningProblem.from_scene(scene, build_free_space(scene))
 
 
-def searched(scene: Scene) -> Attempt:
+def searched(scene: Scene) -> SeedAttempt:
     problem = prepared(scene)
     result = Search(Levels(problem)).attempt(families.budget_of(scene))
     assert result.clear, sentences(result.reasons)

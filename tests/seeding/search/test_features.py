@@ -16,7 +16,7 @@ from stplan.seeding.portfolio import find_seed
 from stplan.seeding.search.levels import Levels
 from stplan.seeding.search.planner import MAX_CLASSES, classes
 from stplan.seeding.search.schedule import Search
-from stplan.seeding.seeder import Attempt
+from stplan.seeding.seeder import SeedAttempt
 from stplan.wording import sentences
 from stplan.world import build_free_space
 from tests.seeding.tight_families import budget_of, make_scene, rectangle
@@ -25,7 +25,7 @@ ROOM = rectangle(0, 0, 8, 6)
 CROSSING = [((1.0, 3.0), (7.0, 3.0)), ((7.0, 3.0), (1.0, 3.0)), ((4.0, 1.0), (4.0, 5.0))]
 
 
-def search(scene: Scene) -> tuple[PlanningProblem, Attempt]:
+def search(scene: Scene) -> tuple[PlanningProblem, SeedAttempt]:
     problem = PlanningProblem.from_scene(scene, build_free_space(scene))
     return problem, Search(Levels(problem)).attempt(budget_of(scene))
 

@@ -10,12 +10,12 @@ from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.verification import verify
 from stplan.scene.model import Scene
 from stplan.seeding.search.sequential_dijkstra import SequentialDijkstra
-from stplan.seeding.seeder import Attempt
+from stplan.seeding.seeder import SeedAttempt
 from stplan.world import build_free_space
 from tests.seeding import tight_families as families
 
 
-def dijkstra(scene: Scene) -> tuple[PlanningProblem, Attempt]:
+def dijkstra(scene: Scene) -> tuple[PlanningProblem, SeedAttempt]:
     problem = PlanningProblem.from_scene(scene, build_free_space(scene))
     return problem, SequentialDijkstra(problem).attempt(families.budget_of(scene))
 
