@@ -258,11 +258,13 @@ def _planned(
 ) -> Plan:
     """The optimised curves where they hold their certificate, else the seed."""
     lines, status, costs = optimised.world_lines, optimised.status, optimised.costs
+    scales = optimised.scales
     if not certificate.holds:
         lines, certificate, status = initial.seed.world_lines, initial.certificate, Status.BROKEN
-        costs = optimised.seed_costs
+        costs, scales = optimised.seed_costs, optimised.seed_scales
     found = SeedReport.of(initial.seed, initial.certificate, scene)
-    made = OptimisationReport(chosen_linear_solver(scene), costs, optimised.outer_iterations)
+    solver = chosen_linear_solver(scene)
+    made = OptimisationReport(solver, costs, scales, optimised.outer_iterations)
     content = Report(scene, status, certificate, metrics(scene, lines), found, made)
     run = RunRecord.of(clock, OptimisationTimes.of(optimised, clock.seconds["optimise"]))
     return Plan(initial.seed.world_lines, lines, content, run)

@@ -16,6 +16,7 @@ from stplan.clock import Clock
 from stplan.memory import MIB, peak
 from stplan.nlp.ipopt.adapter import versions as ipopt_versions
 from stplan.optimize.continuation import Optimisation, OuterIteration
+from stplan.optimize.cost_scales import CostScales
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Seed
 from stplan.status import Status
@@ -55,10 +56,15 @@ class SeedReport:
 
 @dataclass(frozen=True)
 class OptimisationReport:
-    """Of the optimisation: the linear solver, the cost of every term at the end, the outer iterations."""
+    """Of the optimisation: the linear solver, the cost of every term at the end, the outer iterations.
+
+    Attributes:
+        scales: what the costs were weighed with.
+    """
 
     linear_solver: str
     costs: Mapping[str, float]
+    scales: CostScales
     outer_iterations: Sequence[OuterIteration]
 
     def as_dict(self) -> dict[str, Any]:
@@ -66,6 +72,7 @@ class OptimisationReport:
         return {
             "linear_solver": self.linear_solver,
             "costs": dict(self.costs),
+            "scales": self.scales.as_dict(),
             "outer_iterations": [done.as_dict() for done in self.outer_iterations],
         }
 

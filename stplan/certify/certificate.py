@@ -42,6 +42,7 @@ class Certificate:
         limits: greatest speed and acceleration of every agent that has a limit.
         meetings: the nearest moment of every pair that has to meet.
         unlisted: what is proven of the pairs that `pairs` leaves out, None where it holds all.
+        rounding: by how much a clearance can be off, m; what is not greater does not count.
     """
 
     violations: tuple[str, ...]
@@ -52,6 +53,7 @@ class Certificate:
     limits: tuple[Peak, ...] = ()
     meetings: tuple[MeetingSpot, ...] = ()
     unlisted: Unlisted | None = None
+    rounding: float = 0.0
 
     @property
     def holds(self) -> bool:
@@ -106,6 +108,7 @@ class Certificate:
                 "rows": [[*m.who, m.within, m.distance, m.time, *m.place] for m in self.meetings],
             },
             "not_demanded": {"pairs": self.ignored_pairs, "walls": self.ignored_walls},
+            "rounding": self.rounding,
         }
 
 
@@ -149,5 +152,5 @@ def certify(scene: Scene, free_space: FreeSpace | None, lines: WorldLines) -> Ce
     broken += [str(meeting) for meeting in meetings if not meeting.holds]
     return Certificate(
         (*pairs.violations, *walls.violations, *broken), pairs.spots, walls.spots, pairs.ignored,
-        walls.ignored, tuple(peaks), tuple(meetings), pairs.unlisted,
+        walls.ignored, tuple(peaks), tuple(meetings), pairs.unlisted, frame.rounding,
     )  # fmt: skip

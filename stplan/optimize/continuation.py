@@ -20,6 +20,7 @@ from stplan.nlp.step_control import StepControl, Stopwatch
 from stplan.nlp.term import Term
 from stplan.optimize.assembly import assemble, formulate, sharpness_of
 from stplan.optimize.constraints import build_constraints
+from stplan.optimize.cost_scales import CostScales
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
@@ -89,7 +90,8 @@ class Optimisation:
         status: how the last outer iteration ended that did not fail; failed where the first one did.
         outer_iterations: one an outer iteration.
         costs: every term at the optimised curves and the last mu, by its name.
-        seed_costs: the same at the seed.
+        seed_costs: every term at the seed and the first mu.
+        scales, seed_scales: what these costs were weighed with.
         watch: seconds, for the run record only.
         iterations: of the solver in all.
         nonzeros: most entries of a Hessian.
@@ -100,6 +102,8 @@ class Optimisation:
     outer_iterations: tuple[OuterIteration, ...]
     costs: Mapping[str, float]
     seed_costs: Mapping[str, float]
+    scales: CostScales
+    seed_scales: CostScales
     watch: Stopwatch = field(default_factory=Stopwatch)
     iterations: int = 0
     nonzeros: int = 0
@@ -217,6 +221,7 @@ class _Loop:
         self._sharpness: dict[str, FloatArray] = {}
         self._done: list[OuterIteration] = []
         self._seed_costs: dict[str, float] = {}
+        self._seed_scales = CostScales(formulation, formulation.scales.mu, {})
         self._iterations = self._nonzeros = 0
         self._terms: Sequence[Term] = ()
         # What the regularity term costs at its best: no part of the objective worth converging.
@@ -257,6 +262,7 @@ class _Loop:
                 before = control.value(self._knots.ravel())
             if not self._seed_costs:
                 self._seed_costs = {term.name: term.value(self._knots) for term in control.terms}
+                self._seed_scales = CostScales(self._formulation, mu, sharpness_of(control.terms))
             self._nonzeros = max(self._nonzeros, len(program.hessian_structure[0]))
             stop.control = control
             solution = self._backend.solve(
@@ -322,6 +328,8 @@ class _Loop:
             outer_iterations=tuple(self._done),
             costs={term.name: term.value(self._knots) for term in self._terms},
             seed_costs=self._seed_costs,
+            scales=CostScales(self._formulation, self._done[-1].mu, self._sharpness),
+            seed_scales=self._seed_scales,
             watch=self._watch,
             iterations=self._iterations,
             nonzeros=self._nonzeros,

@@ -1,0 +1,79 @@
+"""What the costs of a plan were weighed with: with scene and curves, all it takes to compute each of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stplan.arrays import FloatArray
+from stplan.costs.formulation import Formulation
+from stplan.costs.limit import LimitBarrier
+from stplan.optimize.scales import RANGE_SHARE
+
+
+@dataclass(frozen=True)
+class CostScales:
+    """Weights, ranges and sharpness of a formulation at one mu.
+
+    Attributes:
+        mu: the barrier weight that the costs are given for.
+        sharpness: alpha (1/m) of the smooth minima by the name of their term: of pairs by a A + b, of
+            walls by agent; nan where none was needed, and no entry where clearances are those of contacts.
+    """
+
+    formulation: Formulation
+    mu: float
+    sharpness: Mapping[str, FloatArray]
+
+    def as_dict(self) -> dict[str, Any]:
+        """For report.json; agents by their ids, knots counted from 0."""
+        formulation = self.formulation
+        scales, ids = formulation.scales, formulation.problem.agent_ids
+        content: dict[str, Any] = {
+            "energy": scales.energy,
+            "mu": self.mu,
+            "padding": formulation.padding,
+            "barrier_range": self._barrier_range(),
+            "limit_range": LimitBarrier(self.mu).reach,
+            "regularity": dict(zip(ids, scales.regularity.tolist(), strict=True)),
+        }
+        if formulation.problem.interactions.grouping.any():
+            content["grouping_alpha"] = formulation.problem.scene.solver.alpha
+        if "collision" in self.sharpness:
+            alphas = self.sharpness["collision"]
+            content["pair_alphas"] = {
+                "columns": ["a", "b", "alpha"],
+                "rows": [
+                    [ids[key // len(ids)], ids[key % len(ids)], alphas[key]]
+                    for key in np.flatnonzero(~np.isnan(alphas)).tolist()
+                ],
+            }
+        if "wall" in self.sharpness:
+            alphas = self.sharpness["wall"]
+            met = np.flatnonzero(~np.isnan(alphas)).tolist()
+            content["wall_alphas"] = {ids[agent]: alphas[agent] for agent in met}
+        if len(formulation.timed.links):
+            content["meetings"] = self._meetings()
+        return content
+
+    def _barrier_range(self) -> dict[str, float] | float | str:
+        """In m where the scene says so, else as shares of a pair's distance and of an agent's radius."""
+        given = self.formulation.problem.scene.solver.barrier_range
+        if given is None:
+            return {"share_of_distance": RANGE_SHARE, "share_of_radius": 2 * RANGE_SHARE}
+        return given if np.isfinite(given) else "unbounded"
+
+    def _meetings(self) -> dict[str, Any]:
+        """Which knots meet."""
+        layout, timed = self.formulation.layout, self.formulation.timed
+        ids = self.formulation.problem.agent_ids
+        rows = []
+        for link, within in zip(timed.links, timed.within.tolist(), strict=True):
+            agents = layout.agent_of_knot[link]
+            knots = link - layout.first[agents]
+            first, second = zip(agents.tolist(), knots.tolist(), strict=True)
+            rows.append([ids[first[0]], first[1], ids[second[0]], second[1], within])
+        return {"columns": ["a", "knot_a", "b", "knot_b", "within"], "rows": rows}
