@@ -14,7 +14,12 @@ from stplan.problem.verification import verify
 from stplan.seeding.elastic_bands.relaxation_seeder import Relaxation
 from stplan.seeding.homotopy import signature
 from stplan.seeding.search.levels import Levels
-from stplan.seeding.search.seed_improvement import cheapest_start, improve_seed
+from stplan.seeding.search.seed_improvement import (
+    SEEDS,
+    ImprovedLeastCost,
+    cheapest_start,
+    improve_seed,
+)
 from stplan.seeding.seeder import Attempt, Budget
 from stplan.world import build_free_space
 
@@ -84,6 +89,20 @@ def test_the_cheapest_of_several_starts_is_taken(warehouse):
     assert cost(levels.problem, improve_seed(levels, best, 0, Budget())[0]) == pytest.approx(
         min(costs)
     )
+
+
+def test_the_seeder_improves_its_cheapest_start(warehouse):
+    levels, _ = warehouse
+    found = ImprovedLeastCost(levels, moves=20).attempt(Budget(1))
+    start = cheapest_start(levels, SEEDS, Budget(SEEDS))
+    assert found.clear
+    assert found.found_by == f"{start.found_by}, improved"
+    assert cost(levels.problem, found) < cost(levels.problem, start)
+
+
+def test_what_is_not_clear_comes_back_as_it_is(warehouse):
+    levels, _ = warehouse
+    assert improve_seed(levels, Attempt("nothing"), 5, Budget()) == [Attempt("nothing")]
 
 
 def test_curves_from_elsewhere_are_improved_too():
