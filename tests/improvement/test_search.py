@@ -123,6 +123,19 @@ def test_prescribed_motion_is_left_alone():
     assert result.record.moves == 0
 
 
+def test_limits_of_motion_are_kept():
+    """Curves that moves lead to are brought within the limits before they are optimised."""
+    scene = quick(wide.circle(4, 3.0, 8.0, radius=0.4))
+    fastest = 1.1 * 6.0 / 8.0
+    found = plan(replace(scene, agents=tuple(replace(a, max_speed=fastest) for a in scene.agents)))
+    result = improved(found, 8)
+    assert result.certificate.holds
+    assert result.record.cost_after <= result.record.cost_before
+    for curve in result.world_lines.curves():
+        step = np.diff(curve, axis=0)
+        assert (np.hypot(step[:, 0], step[:, 1]) <= fastest * step[:, 2] * (1.0 + 1e-9)).all()
+
+
 @pytest.mark.parametrize("move", MOVES, ids=str)
 def test_every_proposal_is_clear(move, circle):
     problem = prepare(circle.scene)
