@@ -188,7 +188,6 @@ def improve(
     return replace(
         result,
         trajectories=found.world_lines,
-        certificate=found.certificate,
         report=content,
         run=result.run.and_then(clock),
     )
