@@ -14,11 +14,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stplan.analysis.metrics import turning
+from stplan.analysis.own_costs import own_costs
 from stplan.certify.pair_clearance import nearest_moments
 from stplan.compiled import working_time
 from stplan.errors import SeedingError
-from stplan.problem.kinetic import kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
@@ -127,15 +126,7 @@ def _distinct(problem: PlanningProblem, seeds: Sequence[Seed], most: int) -> tup
 
 def own_cost(scene: Scene, lines: WorldLines) -> float:
     """What single agents pay on `lines`: kinetic, acceleration and arrival cost."""
-    total = 0.0
-    for agent, curve in zip(scene.agents, lines.curves(), strict=True):
-        weights = agent.weights
-        total += weights.kinetic * kinetic_cost(agent.mass, curve)
-        if weights.acceleration:
-            total += weights.acceleration * turning(curve, scene.time_scale)
-        if agent.preferred_time is not None:
-            total += weights.arrival * 0.5 * (float(curve[-1, 2]) - agent.preferred_time) ** 2
-    return total
+    return float(own_costs(scene, lines).sum())
 
 
 def _worthwhile_starts(problem: PlanningProblem, first: Seed, share: float) -> int:

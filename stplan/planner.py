@@ -22,6 +22,8 @@ from stplan.files.manifest import KEY, manifest
 from stplan.files.recorded import REPORT, RUN_RECORD
 from stplan.files.trajectories import curve_files
 from stplan.geometry.segments import closest_parameters
+from stplan.improvement import search
+from stplan.improvement.budget import ImprovementBudget
 from stplan.multistart import best_seeds, own_cost
 from stplan.nlp.ipopt.adapter import require_options
 from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
@@ -145,6 +147,52 @@ def plan(
     return _cheapest(plans)
 
 
+def improve(
+    result: Plan,
+    budget: ImprovementBudget,
+    *,
+    progress: Progress | None = None,
+    live: LiveLine | None = None,
+    stop: Stop | None = None,
+) -> Plan:
+    """`result`, a plan with trajectories, with the cheapest ones that the moves of `budget` lead to.
+
+    Never dearer, and certified. `stop`, asked again and again, ends with the best so far.
+    """
+    if result.trajectories is None:
+        return result
+    clock = Clock()
+    with clock.stage("world"):
+        problem = prepare(result.scene)
+    with clock.stage("improve"):
+        found = search.improve(
+            problem,
+            result.trajectories,
+            budget,
+            rng_seed=result.scene.seeding.rng_seed,
+            progress=progress or _silent,
+            live=live,
+            stop=stop or _never,
+        )
+    content = replace(result.report, improvement=found.record)
+    if found.optimisation is not None:
+        content = replace(
+            content,
+            status=found.optimisation.status,
+            certificate=found.certificate,
+            metrics=metrics(result.scene, found.world_lines),
+            optimisation=OptimisationReport.of(result.scene, found.optimisation),
+        )
+    if found.interrupted:
+        content = replace(content, status=Status.INTERRUPTED)
+    return replace(
+        result,
+        trajectories=found.world_lines,
+        report=content,
+        run=result.run.and_then(clock),
+    )
+
+
 def seed(scene: Scene, *, progress: Progress | None = None, stop: Stop | None = None) -> Plan:
     """Only the initial curves of `scene`, certified. Raises like `plan`."""
     clock = Clock()
@@ -263,8 +311,7 @@ def _planned(
         lines, certificate, status = initial.seed.world_lines, initial.certificate, Status.BROKEN
         costs, scales = optimised.seed_costs, optimised.seed_scales
     found = SeedReport.of(initial.seed, initial.certificate, scene)
-    solver = chosen_linear_solver(scene)
-    made = OptimisationReport(solver, costs, scales, optimised.outer_iterations)
+    made = replace(OptimisationReport.of(scene, optimised), costs=costs, scales=scales)
     content = Report(scene, status, certificate, metrics(scene, lines), found, made)
     run = RunRecord.of(clock, OptimisationTimes.of(optimised, clock.seconds["optimise"]))
     return Plan(initial.seed.world_lines, lines, content, run)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import cache
 from importlib import metadata
 from platform import node, python_version
@@ -13,8 +13,10 @@ from typing import Any
 from stplan.analysis.metrics import Metrics, metrics
 from stplan.certify.certificate import Certificate
 from stplan.clock import Clock
+from stplan.improvement.search import ImprovementRecord
 from stplan.memory import MIB, peak
 from stplan.nlp.ipopt.adapter import versions as ipopt_versions
+from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
 from stplan.optimize.continuation import Optimisation, OuterIteration
 from stplan.optimize.cost_scales import CostScales
 from stplan.scene.model import Scene
@@ -67,6 +69,16 @@ class OptimisationReport:
     scales: CostScales
     outer_iterations: Sequence[OuterIteration]
 
+    @staticmethod
+    def of(scene: Scene, optimised: Optimisation) -> OptimisationReport:
+        """The report on an optimisation of `scene`."""
+        return OptimisationReport(
+            chosen_linear_solver(scene),
+            optimised.costs,
+            optimised.scales,
+            optimised.outer_iterations,
+        )
+
     def as_dict(self) -> dict[str, Any]:
         """For report.json."""
         return {
@@ -96,6 +108,7 @@ class Report:
         certificate, metrics: of the trajectories, or of the seed where there is no more.
         optimisation: None where only a seed was asked for.
         rivals: all plans that were made, of which this is the cheapest; none where it is the only one.
+        improvement: None where none was asked for.
     """
 
     scene: Scene
@@ -105,6 +118,7 @@ class Report:
     seed: SeedReport
     optimisation: OptimisationReport | None = None
     rivals: tuple[RivalReport, ...] = ()
+    improvement: ImprovementRecord | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """For report.json."""
@@ -125,8 +139,13 @@ class Report:
             "metrics": self.metrics.as_dict(),
             "seed": self.seed.as_dict(),
         }
-        content |= {} if self.optimisation is None else self.optimisation.as_dict()
-        return content | ({"rivals": [asdict(one) for one in self.rivals]} if self.rivals else {})
+        if self.optimisation is not None:
+            content |= self.optimisation.as_dict()
+        if self.rivals:
+            content["rivals"] = [asdict(one) for one in self.rivals]
+        if self.improvement is not None:
+            content["improvement"] = self.improvement.as_dict()
+        return content
 
 
 @dataclass(frozen=True)
@@ -200,6 +219,13 @@ class RunRecord:
         """The record of what `clock` timed in this process."""
         seconds = {**clock.seconds, "total": clock.total}
         return RunRecord(clock.started.isoformat(), seconds, optimisation)
+
+    def and_then(self, clock: Clock) -> RunRecord:
+        """The record of this and of what `clock` timed after it."""
+        later = {**clock.seconds, "total": clock.total}
+        names = [*(name for name in {**self.seconds, **later} if name != "total"), "total"]
+        seconds = {name: self.seconds.get(name, 0.0) + later.get(name, 0.0) for name in names}
+        return replace(self, seconds=seconds, peak_memory_mib=round(peak() / MIB, 1))
 
     def as_dict(self) -> dict[str, Any]:
         """For run.json."""

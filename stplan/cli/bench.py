@@ -286,6 +286,56 @@ def seeding(
     return _finish(console, output, seeding_table.files(measurements))
 
 
+@command(benchmarks, without=_NO_JSON)
+def quality(
+    console: Console,
+    *,
+    output: Output = FOLDER,
+    scenes: Annotated[Path, typer.Option(metavar="DIR", help="Where the scenes are.")] = Path(
+        "scenes"
+    ),
+    only: Annotated[str, typer.Option(metavar="A,B", help="Only scenes with these names.")] = "",
+    moves: Annotated[
+        int | None,
+        typer.Option(min=1, help="Moves of improvement.  [default: 20; 200 with --full]"),
+    ] = None,
+    ledger: Annotated[Path, typer.Option(metavar="FILE", help="The least costs known.")] = Path(
+        "docs/ledger.csv"
+    ),
+    record: Annotated[
+        bool, typer.Option("--record", help="Write what is cheaper into the ledger.")
+    ] = False,
+    full: Full = False,
+) -> int:
+    """How near plans are to the best ones known.
+
+    Scenes are planned by default and improved by a number of moves; both costs stand beside the
+    least one known, which a ledger keeps with the command that reached it. A ledger only improves.
+
+    \b
+    Examples:
+      stplan bench quality
+      stplan bench quality --only cabin,door --moves 500 --record
+    """
+    from stplan.bench import ledger as ledgers
+    from stplan.bench import quality, quality_table
+    from stplan.files.atomic import write_set
+
+    files = quality.chosen_scenes(scenes, _names(only), full=full)
+    known = ledgers.read_ledger(ledger)
+    measured = quality.measure(
+        files,
+        moves or (quality.FULL_MOVES if full else quality.SMALL_MOVES),
+        progress=console.progress,
+    )
+    if record:
+        found = [entry for one in measured for entry in one.entries()]
+        # Read anew: others may have written meanwhile, and it only improves.
+        text = ledgers.ledger_text(ledgers.read_ledger(ledger), found)
+        write_set(ledger.parent, {ledger.name: text.encode()})
+    return _finish(console, output, quality_table.files(known, measured))
+
+
 def _sweep(console: Console, name: str, *, output: Path, full: bool) -> int:
     """Measure how the time of an iteration grows in one direction."""
     from stplan.bench import scaling, scaling_table

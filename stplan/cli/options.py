@@ -27,3 +27,11 @@ Overrides = Annotated[
         help="Override a value of the scene, as in solver.mu=0.1 or agents.sam.radius=0.4; may be repeated.",
     ),
 ]
+Budget = Annotated[
+    str | None,
+    typer.Option(
+        "--improve",
+        metavar="BUDGET",
+        help="Then improve the plan: a number of moves such as 200, repeatable, or of seconds such as 30s.",
+    ),
+]

@@ -71,14 +71,18 @@ def take_shortcuts(
     required: Requirement,
     *,
     rng_seed: int = 0,
+    rounds: int = MOST_ROUNDS,
     stopped: Callable[[], bool] = lambda: False,
 ) -> list[FloatArray]:
-    """Cheaper curves than the clear `curves`, with few knots and as clear as is `required`."""
+    """Cheaper curves than the clear `curves`, with few knots and as clear as is `required`.
+
+    After `rounds` of it at most, or once `stopped`, they are as far as they have come.
+    """
     rng = np.random.default_rng(rng_seed)
     current = stretch(problem, curves, required)
     movable = np.flatnonzero(~problem.prescribed)
     cost = total_kinetic_cost(problem.masses, current)
-    for turn in range(MOST_ROUNDS):
+    for turn in range(rounds):
         if stopped():
             break
         field = build_field(problem, current, required)

@@ -1,0 +1,119 @@
+"""How near plans are to the best ones known: by default, and after so many moves of improvement."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from stplan.analysis.own_costs import own_costs
+from stplan.bench.ledger import Entry
+from stplan.bench.solves import warm_up
+from stplan.errors import UsageError
+from stplan.improvement.budget import ImprovementBudget
+from stplan.planner import improve, plan
+from stplan.scene.reading.load import load_scene
+
+# Scenes below the folder of all scenes that leave agents several ways around each other; small ones first.
+SMALL_SCENES = ("tight/plus-crossing", "tight/pocket-swap", "tight/cabin", "tight/parking-lot")
+FULL_SCENES = (
+    *SMALL_SCENES,
+    "tight/door",
+    "tight/warehouse",
+    "aircraft/first-class",
+    "subway/platform",
+    "comparison/gap",
+)
+SMALL_MOVES, FULL_MOVES = 20, 200
+
+
+@dataclass(frozen=True)
+class Quality:
+    """A scene planned by default and improved.
+
+    Attributes:
+        planned, improved: cost of all agents by themselves, `own_costs`, before and after.
+        planned_seconds, improve_seconds: processor time of either.
+        accepted: moves that led to a cheaper plan.
+        certified: whether both plans hold their certificates.
+    """
+
+    scene: str
+    agents: int
+    planned: float
+    planned_seconds: float
+    improved: float
+    improve_seconds: float
+    moves: int
+    accepted: int
+    certified: bool
+    file: Path
+
+    def entries(self) -> list[Entry]:
+        """What a ledger may take: the cheaper plan, where it is certified."""
+        if not self.certified:
+            return []
+        solve = f"stplan solve {self.file.as_posix()}"
+        command = solve if self.accepted == 0 else f"{solve} --improve {self.moves}"
+        return [Entry(self.scene, self.improved, command)]
+
+
+def chosen_scenes(folder: Path, names: Sequence[str], *, full: bool) -> dict[str, Path]:
+    """The files of the scenes that `names` begin with, by their names in `folder`; all where none is named.
+
+    Raises:
+        UsageError: there is no such scene.
+    """
+    known = FULL_SCENES if full or names else SMALL_SCENES
+    for name in names:
+        if not any(name in scene for scene in known):
+            raise UsageError(f"no scene {name!r}; there are {', '.join(known)}")
+    chosen = [scene for scene in known if not names or any(name in scene for name in names)]
+    files = {scene: folder / f"{scene}.yaml" for scene in chosen}
+    for file in files.values():
+        if not file.exists():
+            raise UsageError(f"cannot read {file}: no such file")
+    return files
+
+
+def measure(
+    files: dict[str, Path], moves: int, *, progress: Callable[[str], None]
+) -> list[Quality]:
+    """Every scene planned by default, and improved by so many moves."""
+    warm_up()
+    found = []
+    for name, file in files.items():
+        found.append(_measured(name, file, moves))
+        one = found[-1]
+        progress(
+            f"{name}: {one.planned:.6g} in {one.planned_seconds:.1f} s, "
+            f"{one.improved:.6g} after {moves} moves in {one.improve_seconds:.1f} s"
+        )
+    return found
+
+
+def _measured(name: str, file: Path, moves: int) -> Quality:
+    scene = load_scene(file)
+    began = time.process_time()
+    planned = plan(scene)
+    between = time.process_time()
+    improved = improve(planned, ImprovementBudget(moves=moves))
+    ended = time.process_time()
+    before, after = (
+        float(own_costs(scene, one.seed if one.trajectories is None else one.trajectories).sum())
+        for one in (planned, improved)
+    )
+    record = improved.report.improvement
+    return Quality(
+        scene=name,
+        agents=len(scene.agents),
+        planned=before,
+        planned_seconds=between - began,
+        improved=after,
+        improve_seconds=ended - between,
+        moves=moves,
+        accepted=0 if record is None else record.accepted,
+        certified=planned.certificate.holds and improved.certificate.holds,
+        file=file,
+    )

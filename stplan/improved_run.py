@@ -1,0 +1,133 @@
+"""A finished run's folder, improved: read back, and written anew as one set of files.
+
+What only its planning could tell (the seed's own figures) stays as it was reported; everything about the
+trajectories is made anew. Runs that are damaged, that were planned from another state of their scene, or
+whose trajectories do not hold their certificate, are refused.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from stplan.analysis.metrics import metrics
+from stplan.certify.certificate import Certificate, certify
+from stplan.clock import Clock
+from stplan.errors import UsageError
+from stplan.files.json_file import json_bytes, read_json
+from stplan.files.manifest import KEY, manifest, why_incomplete
+from stplan.files.recorded import REPORT, RUN_RECORD
+from stplan.files.trajectories import curve_files, read_trajectories
+from stplan.improvement.budget import ImprovementBudget
+from stplan.improvement.search import Improvement, Progress, Stop
+from stplan.improvement.search import improve as improve_lines
+from stplan.optimize.continuation import LiveLine
+from stplan.planner import prepare
+from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.world_lines import WorldLines
+from stplan.report import OptimisationReport, versions
+from stplan.scene.model import Scene
+from stplan.status import Status
+
+SEED = "seed.npz"
+
+
+@dataclass(frozen=True)
+class FinishedRun:
+    """What a run's folder holds.
+
+    Attributes:
+        problem: of its scene.
+        report, record: the content of report.json and run.json.
+    """
+
+    problem: PlanningProblem
+    seed: WorldLines
+    trajectories: WorldLines
+    report: dict[str, Any]
+    record: dict[str, Any]
+
+    @property
+    def scene(self) -> Scene:
+        """What it is a run of."""
+        return self.problem.scene
+
+
+@dataclass(frozen=True)
+class ImprovedRun:
+    """A run with cheaper trajectories, or with the same ones.
+
+    Attributes:
+        files: content of all files of its folder, by name.
+    """
+
+    status: Status
+    certificate: Certificate
+    improvement: Improvement
+    files: dict[str, bytes]
+
+
+def read_run(folder: Path, scene: Scene) -> FinishedRun:
+    """The run in `folder`, which is one of `scene`.
+
+    Raises:
+        UsageError: it is damaged, of another state of the scene, or does not hold its certificate.
+        SceneError: the scene does not fit its map, or not into memory.
+    """
+    why = why_incomplete(folder)
+    if why:
+        raise UsageError(f"{folder} is not the whole of one run: {why}")
+    report = read_json(folder / REPORT)
+    if report.get("scene", {}).get("hash") != scene.content_hash:
+        raise UsageError(f"{scene.source} is not as it was when {folder} was planned; plan it anew")
+    problem = prepare(scene)
+    lines = read_trajectories(folder)
+    certificate = certify(scene, problem.free_space, lines)
+    if not certificate.holds:
+        raise UsageError(f"{folder}: {certificate.summary}; only certified runs are improved")
+    seed = read_trajectories(folder / SEED)
+    return FinishedRun(problem, seed, lines, report, read_json(folder / RUN_RECORD))
+
+
+def improve_run(
+    run: FinishedRun,
+    budget: ImprovementBudget,
+    *,
+    progress: Progress,
+    stop: Stop,
+    live: LiveLine | None = None,
+) -> ImprovedRun:
+    """`run` with the cheapest trajectories that the moves of `budget` lead to."""
+    clock = Clock()
+    scene = run.scene
+    with clock.stage("improve"):
+        found = improve_lines(
+            run.problem,
+            run.trajectories,
+            budget,
+            rng_seed=scene.seeding.rng_seed,
+            progress=progress,
+            live=live,
+            stop=stop,
+        )
+    status = Status(run.report["status"])
+    report = run.report | {"improvement": found.record.as_dict(), "versions": versions()}
+    if found.optimisation is not None:
+        status = found.optimisation.status
+        report |= {
+            "certificate": found.certificate.as_dict(),
+            "metrics": metrics(scene, found.world_lines).as_dict(),
+        }
+        report |= OptimisationReport.of(scene, found.optimisation).as_dict()
+    status = Status.INTERRUPTED if found.interrupted else status
+    report |= {"status": status, "advice": status.advice}
+    curves = {"seed": run.seed, "trajectories": found.world_lines}
+    contents = curve_files(scene, curves) | {REPORT: json_bytes(report)}
+    seconds = dict(run.record.get("seconds", {}))
+    for name in ("improve", "total"):
+        seconds[name] = seconds.get(name, 0.0) + clock.seconds["improve"]
+    record = run.record | {"seconds": seconds, KEY: manifest(contents)}
+    return ImprovedRun(
+        status, found.certificate, found, contents | {RUN_RECORD: json_bytes(record)}
+    )

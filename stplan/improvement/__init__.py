@@ -1,0 +1,1 @@
+"""Large-neighbourhood search on finished plans: other homotopy classes, tried until the budget is spent."""
