@@ -145,7 +145,7 @@ class Portfolio:
         except SeedingError:
             return None
 
-    def _seed(self, found: Attempt, budget: Budget) -> Seed:
+    def _seed(self, found: SeedAttempt, budget: Budget) -> Seed:
         """A seed of what was found.
 
         Raises:

@@ -24,7 +24,7 @@ from stplan.reasons import Reason
 from stplan.seeding.margins import margin_ladder
 from stplan.seeding.search.levels import Levels, off_roadmap, out_of_layers
 from stplan.seeding.search.planner import LayeredPlanner
-from stplan.seeding.seeder import Attempt, Budget, SeedRecord
+from stplan.seeding.seeder import Budget, SeedAttempt, SeedRecord
 
 # Margins (by their place on the ladder) and multiples of the level's layers that are tried.
 STAGES = ((0, 1), (1, 1), (1, 2))
@@ -39,7 +39,7 @@ class Emptying:
     name: ClassVar = "emptying"
     levels: Levels
 
-    def attempt(self, budget: Budget) -> Attempt:
+    def attempt(self, budget: Budget) -> SeedAttempt:
         """Rounds on ever smaller margins and more layers, until everybody has a way."""
         reasons: tuple[Reason, ...] = ()
         tries = 0
@@ -60,8 +60,8 @@ class Emptying:
             tries += tried
             if curves is not None and not verify(problem, curves, planner.required):
                 record = SeedRecord(margin=level.margin, tries=tries)
-                return Attempt(f"search ({self.name})", curves, clear=True, record=record)
-        return Attempt(f"search ({self.name})", record=SeedRecord(tries=tries), reasons=reasons)
+                return SeedAttempt(f"search ({self.name})", curves, clear=True, record=record)
+        return SeedAttempt(f"search ({self.name})", record=SeedRecord(tries=tries), reasons=reasons)
 
 
 def _empty(planner: LayeredPlanner, budget: Budget) -> tuple[list[FloatArray] | None, int]:

@@ -22,7 +22,7 @@ from stplan.seeding.search.layered_dijkstra import HARD, space_time_length
 from stplan.seeding.search.levels import Levels, off_roadmap, out_of_layers
 from stplan.seeding.search.planner import LayeredPlanner
 from stplan.seeding.search.prioritized import GUARD_LAYERS
-from stplan.seeding.seeder import Attempt, Budget, SeedRecord
+from stplan.seeding.seeder import Budget, SeedAttempt, SeedRecord
 
 # Orders tried from one random number: another one is worth more than to go on.
 ORDERS = 6
@@ -51,7 +51,7 @@ class LeastCost:
         worth = min(STARTED_AGENTS // problem.num_agents, STARTED_WORK // work)
         return min(max(worth, FEWEST_STARTS), MOST_STARTS)
 
-    def attempt(self, budget: Budget) -> Attempt:
+    def attempt(self, budget: Budget) -> SeedAttempt:
         """Orders on ever smaller margins, until one succeeds."""
         reasons: tuple[Reason, ...] = ()
         tries = 0
@@ -77,8 +77,8 @@ class LeastCost:
             tries += tried
             if curves is not None and not verify(problem, curves, planner.required):
                 record = SeedRecord(margin=margin, tries=tries)
-                return Attempt(f"search ({self.name})", curves, clear=True, record=record)
-        return Attempt(f"search ({self.name})", record=SeedRecord(tries=tries), reasons=reasons)
+                return SeedAttempt(f"search ({self.name})", curves, clear=True, record=record)
+        return SeedAttempt(f"search ({self.name})", record=SeedRecord(tries=tries), reasons=reasons)
 
 
 def _plan_orders(

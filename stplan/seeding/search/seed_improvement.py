@@ -31,7 +31,7 @@ from stplan.seeding.search.layered_dijkstra import HARD, space_time_length
 from stplan.seeding.search.least_cost import LeastCost, move_costs
 from stplan.seeding.search.levels import Level, Levels
 from stplan.seeding.search.planner import Blocks, LayeredPlanner
-from stplan.seeding.seeder import Attempt, Budget
+from stplan.seeding.seeder import Budget, SeedAttempt
 from stplan.seeding.shortcutting.shortcuts import take_shortcuts
 
 # Agents freed at once, at most, and how near a neighbour's rod comes, in required distances.
@@ -63,7 +63,7 @@ class ImprovedLeastCost:
     levels: Levels
     moves: int = MOVES
 
-    def attempt(self, budget: Budget) -> Attempt:
+    def attempt(self, budget: Budget) -> SeedAttempt:
         """Different random numbers begin with other seeds and draw other moves."""
         first = replace(budget, rng_seed=SEEDS * budget.rng_seed)
         start = cheapest_start(self.levels, SEEDS, first)
@@ -71,8 +71,8 @@ class ImprovedLeastCost:
 
 
 def improve_seed(
-    levels: Levels, start: Attempt, moves: int, budget: Budget, *, keep: int = 3
-) -> list[Attempt]:
+    levels: Levels, start: SeedAttempt, moves: int, budget: Budget, *, keep: int = 3
+) -> list[SeedAttempt]:
     """Up to `keep` clear seeds of different classes, cheapest first; the shortened `start` may be among them.
 
     Args:
@@ -90,19 +90,21 @@ def improve_seed(
         tried += 1
     record = replace(start.record, tries=start.tries + tried)
     found = [
-        Attempt(f"{start.found_by}, {ImprovedLeastCost.name}", curves, clear=True, record=record)
+        SeedAttempt(
+            f"{start.found_by}, {ImprovedLeastCost.name}", curves, clear=True, record=record
+        )
         for curves in walk.best_of_classes(keep)
         if not verify(levels.problem, curves)
     ]
     return found or [start]
 
 
-def cheapest_start(levels: Levels, seeds: int, budget: Budget) -> Attempt:
+def cheapest_start(levels: Levels, seeds: int, budget: Budget) -> SeedAttempt:
     """The cheapest of so many seeds of `LeastCost`, from the budget's random number and those after it.
 
     An attempt that is not clear where none of them is.
     """
-    best, least = Attempt(LeastCost.name), np.inf
+    best, least = SeedAttempt(LeastCost.name), np.inf
     for number in range(seeds):
         if budget.spent():
             break
