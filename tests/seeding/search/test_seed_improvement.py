@@ -20,7 +20,7 @@ from stplan.seeding.search.seed_improvement import (
     cheapest_start,
     improve_seed,
 )
-from stplan.seeding.seeder import Attempt, Budget
+from stplan.seeding.seeder import Budget, SeedAttempt
 from stplan.world import build_free_space
 
 
@@ -29,12 +29,12 @@ def levels_of(scene) -> Levels:
 
 
 @pytest.fixture(scope="module")
-def warehouse() -> tuple[Levels, Attempt]:
+def warehouse() -> tuple[Levels, SeedAttempt]:
     levels = levels_of(tight.warehouse(np.random.default_rng(4), robots=8))
     return levels, cheapest_start(levels, 2, Budget(1))
 
 
-def cost(problem: PlanningProblem, attempt: Attempt) -> float:
+def cost(problem: PlanningProblem, attempt: SeedAttempt) -> float:
     return total_kinetic_cost(problem.masses, attempt.curves)
 
 
@@ -102,7 +102,7 @@ def test_the_seeder_improves_its_cheapest_start(warehouse):
 
 def test_what_is_not_clear_comes_back_as_it_is(warehouse):
     levels, _ = warehouse
-    assert improve_seed(levels, Attempt("nothing"), 5, Budget()) == [Attempt("nothing")]
+    assert improve_seed(levels, SeedAttempt("nothing"), 5, Budget()) == [SeedAttempt("nothing")]
 
 
 def test_curves_from_elsewhere_are_improved_too():
