@@ -53,8 +53,19 @@ FAILURES = 2
 AGENTS_A_FINALIST = 60
 
 
-def best_seeds(problem: PlanningProblem, *, progress: Progress) -> tuple[Seed, ...]:
-    """Seeds of different classes to optimise, the cheapest first.
+@dataclass(frozen=True)
+class Contest:
+    """Seeds of different classes, the cheapest first, and how many of them are worth optimising.
+
+    The others are spares: what a scene asks of speeds and times may be out of reach in a cheaper class.
+    """
+
+    seeds: tuple[Seed, ...]
+    finalists: int
+
+
+def best_seeds(problem: PlanningProblem, *, progress: Progress) -> Contest:
+    """Seeds to choose from.
 
     They come from `seeding.rng_seed` and the numbers after it. The first may take `seeding.time_limit`, and
     so may all others together.
@@ -79,7 +90,8 @@ def best_seeds(problem: PlanningProblem, *, progress: Progress) -> tuple[Seed, .
         best = found[0]
         progress(f"seed {best.record.start} of {len(found)} is the cheapest, by {best.found_by}")
     most = effort.finalists if portfolio.rivals else 1
-    return _distinct(problem, found, max(1, min(most, AGENTS_A_FINALIST // problem.num_agents)))
+    most = max(1, min(most, AGENTS_A_FINALIST // problem.num_agents))
+    return Contest(tuple(found) if most == 1 else _distinct(problem, found), most)
 
 
 def _other_seeds(
@@ -108,20 +120,12 @@ def _other_seeds(
                 yield seed
 
 
-def _distinct(problem: PlanningProblem, seeds: Sequence[Seed], most: int) -> tuple[Seed, ...]:
-    """The first `most` of the seeds that are of different classes."""
-    if most == 1:
-        return tuple(seeds[:1])
-    chosen: list[Seed] = []
-    known: set[bytes] = set()
+def _distinct(problem: PlanningProblem, seeds: Sequence[Seed]) -> tuple[Seed, ...]:
+    """The first seed of every class."""
+    chosen: dict[bytes, Seed] = {}
     for seed in seeds:
-        label = signature(problem, list(seed.world_lines.curves()))
-        if label not in known:
-            known.add(label)
-            chosen.append(seed)
-        if len(chosen) == most:
-            break
-    return tuple(chosen)
+        chosen.setdefault(signature(problem, list(seed.world_lines.curves())), seed)
+    return tuple(chosen.values())
 
 
 def own_cost(scene: Scene, lines: WorldLines) -> float:

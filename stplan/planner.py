@@ -256,11 +256,11 @@ def find_initial_curves(
     with clock.stage("seed"):
         if not compiled_before(closest_parameters):
             progress("compiling, once after installation: this takes about a quarter of a minute")
-        seeds = best_seeds(problem, progress=progress)
+        contest = best_seeds(problem, progress=progress)
     found: list[InitialCurves] = []
     violations: tuple[str, ...] = ()
-    for seed in seeds:
-        if len(found) == most or (found and stop()):
+    for seed in contest.seeds:
+        if len(found) == (most or contest.finalists) or (found and stop()):
             break
         with clock.stage("seed"):
             lines = restore(

@@ -23,7 +23,7 @@ def started(scene: Scene, starts: int | None = None, rng_seed: int = 0):
         seeding=replace(scene.seeding, rng_seed=rng_seed),
     )
     problem = PlanningProblem.from_scene(scene, build_free_space(scene))
-    return best_seeds(problem, progress=lambda line: None)[0]
+    return best_seeds(problem, progress=lambda line: None).seeds[0]
 
 
 def conflicts(scene: Scene) -> int:
@@ -55,7 +55,8 @@ def tight_seeds(effort: str, starts: int | None = None):
     scene = tight.warehouse(np.random.default_rng(1), robots=6)
     scene = replace(scene, solver=replace(scene.solver, effort=effort, starts=starts))
     problem = PlanningProblem.from_scene(scene, build_free_space(scene))
-    return problem, best_seeds(problem, progress=lambda line: None)
+    contest = best_seeds(problem, progress=lambda line: None)
+    return problem, contest.seeds[: contest.finalists]
 
 
 def test_quick_effort_takes_the_first_seed() -> None:

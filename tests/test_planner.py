@@ -39,7 +39,7 @@ def test_every_stage_takes_what_the_one_before_gave() -> None:
     problem = prepare(clear)
     assert isinstance(problem, PlanningProblem)
     (initial,) = find_initial_curves(problem)
-    (found,) = best_seeds(problem, progress=lambda line: None)
+    found = best_seeds(problem, progress=lambda line: None).seeds[0]
     # Nothing is to be restored here.
     assert np.array_equal(initial.seed.world_lines.knots, found.world_lines.knots)
     assert initial.certificate == certify(clear, None, found.world_lines)
@@ -55,7 +55,7 @@ def test_every_stage_takes_what_the_one_before_gave() -> None:
 
 def test_restoration_comes_between_the_seed_and_its_certificate() -> None:
     problem = prepare(limited())
-    (found,) = best_seeds(problem, progress=lambda line: None)
+    found = best_seeds(problem, progress=lambda line: None).seeds[0]
     assert not certify(problem.scene, None, found.world_lines).holds
     (initial,) = find_initial_curves(problem)
     assert initial.certificate.holds

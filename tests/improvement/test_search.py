@@ -126,7 +126,7 @@ def test_prescribed_motion_is_left_alone():
 def test_limits_of_motion_are_kept():
     """Curves that moves lead to are brought within the limits before they are optimised."""
     scene = quick(wide.circle(4, 3.0, 8.0, radius=0.4))
-    fastest = 1.1 * 6.0 / 8.0
+    fastest = 1.3 * 6.0 / 8.0
     found = plan(replace(scene, agents=tuple(replace(a, max_speed=fastest) for a in scene.agents)))
     result = improved(found, 8)
     assert result.certificate.holds
