@@ -160,4 +160,10 @@ class StepControl:
         if self.least_clearance(knots) < self._floor:
             self._touched = True
             return np.inf
-        return total if self._least_slack(knots) >= self._slack_floor else np.inf
+        if self._least_slack(knots) < self._slack_floor:
+            return np.inf
+        for term in terms:
+            if not term.allows_step(self._iterate, knots):
+                self._touched = True
+                return np.inf
+        return total

@@ -15,6 +15,7 @@ from stplan.arrays import FloatArray
 from stplan.costs.contacts.blocks import ContactBlocks, DenseCoupling, near_blocks
 from stplan.costs.contacts.contact_set import ContactSet
 from stplan.costs.contacts.contact_term import ContactModel, ContactTerm
+from stplan.costs.contacts.passage import rods_stay_apart
 from stplan.costs.contacts.potential import ContactBarriers, Potential, SmoothMinimumBarriers
 from stplan.costs.contacts.rod_candidates import BroadPhase, RodCandidates
 from stplan.costs.contacts.smooth_minimum import sharpened, weighing_reach
@@ -61,6 +62,7 @@ class Collision(ContactTerm):
         broad_phase: BroadPhase = near_segments,
     ) -> None:
         collides, distance = interactions.collides, interactions.distance
+        self._rods, self._interactions = rods, interactions
         self._sharpness: FloatArray | None = None
         candidates = RodCandidates(rods, collides, distance + reach, broad_phase)
         radius, weight = distance.ravel(), (mu * interactions.collision_weight).ravel()
@@ -102,6 +104,14 @@ class Collision(ContactTerm):
     def sharpness(self) -> FloatArray | None:
         """(A * A,) 1/m of every pair met so far by a A + b, nan elsewhere."""
         return self._sharpness
+
+    def allows_step(self, start: FloatArray, end: FloatArray) -> bool:
+        """Whether no two rods pass through each other between the two."""
+        rods, pairs = self._rods, self._interactions
+        return rods_stay_apart(
+            rods.positions(start), rods.positions(end), rods.segments, rods.agents,
+            pairs.collides, pairs.distance,
+        )  # fmt: skip
 
 
 def _weighing(candidates: RodCandidates, alpha: FloatArray) -> RodCandidates:

@@ -15,6 +15,7 @@ from stplan.arrays import FloatArray, IntArray
 from stplan.costs.contacts.blocks import ContactBlocks, DenseCoupling
 from stplan.costs.contacts.contact_set import ContactSet
 from stplan.costs.contacts.contact_term import ContactModel, ContactTerm
+from stplan.costs.contacts.passage import walls_stay_clear
 from stplan.costs.contacts.potential import ContactBarriers, Potential, SmoothMinimumBarriers
 from stplan.costs.contacts.smooth_minimum import sharpened, weighing_reach
 from stplan.costs.contacts.wall_candidates import EdgeSearch, WallCandidates
@@ -66,7 +67,9 @@ class Wall(ContactTerm):
         search: EdgeSearch | None = None,
     ) -> None:
         self._boundary = boundary
-        self._segments = layout.segment[weights[layout.agent_of_segment] > 0]
+        heeds = weights[layout.agent_of_segment] > 0
+        self._segments = layout.segment[heeds]
+        self._kept = radii[layout.agent_of_segment[heeds]]
         self._sharpness: FloatArray | None = None
         candidates = WallCandidates(
             layout, self._segments, boundary_vertices, boundary_edges, radii + reach,
@@ -120,6 +123,11 @@ class Wall(ContactTerm):
     def value(self, knots: FloatArray) -> float:
         """The cost, inf where something touches or crosses the boundary."""
         return np.inf if self._crosses(knots) else super().value(knots)
+
+    def allows_step(self, start: FloatArray, end: FloatArray) -> bool:
+        """Whether no segment passes through the boundary between the two."""
+        ends = np.column_stack([self._segments, self._segments + 1])
+        return walls_stay_clear(start[ends, :2], end[ends, :2], self._boundary, self._kept)
 
     def _crosses(self, knots: FloatArray) -> bool:
         starts = np.ascontiguousarray(knots[self._segments, :2])
