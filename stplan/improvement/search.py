@@ -183,8 +183,9 @@ class _Search:
 
     def goes_on(self) -> bool:
         """Whether there is another move to be tried."""
-        if self._problem.prescribed.all():
-            return False
+        problem = self._problem
+        if problem.prescribed.all() or not problem.collides.any() or self._start <= 0.0:
+            return False  # Nobody can go another way round anybody, or gain by it.
         return self._moves < self._budget.moves and not self._stopped()
 
     def _stopped(self) -> bool:

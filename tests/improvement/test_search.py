@@ -136,6 +136,14 @@ def test_limits_of_motion_are_kept():
         assert (np.hypot(step[:, 0], step[:, 1]) <= fastest * step[:, 2] * (1.0 + 1e-9)).all()
 
 
+def test_who_meets_nobody_is_left_alone():
+    scene = quick(wide.circle(2, 3.0, 20.0, radius=0.4))
+    alone = plan(replace(scene, agents=scene.agents[:1]))
+    result = improved(alone, 5)
+    assert result.world_lines is alone.trajectories
+    assert result.record.moves == 0
+
+
 @pytest.mark.parametrize("move", MOVES, ids=str)
 def test_every_proposal_is_clear(move, circle):
     problem = prepare(circle.scene)
