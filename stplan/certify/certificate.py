@@ -9,7 +9,7 @@ rounding could feign (`stplan.certify.local_frame`).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,7 +23,9 @@ from stplan.certify.walls import check_walls
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
 from stplan.scene.presence import present_until
-from stplan.world import FreeSpace
+
+if TYPE_CHECKING:
+    from stplan.world import FreeSpace
 
 # Columns of a row in the report.
 _COLUMNS = ("a", "b", "clearance", "time", "x", "y")

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from stplan.amounts import distinct, place
 from stplan.arrays import FloatArray
 from stplan.certify.local_frame import LocalFrame
 from stplan.certify.tightest import Tightest
-from stplan.certify.wall_clearance import time_at, wall_distances
 from stplan.scene.model import Agent, Scene
-from stplan.world import FreeSpace
+
+if TYPE_CHECKING:
+    from stplan.world import FreeSpace
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,8 @@ def check_walls(
         return WallFindings()
     if not heeds:
         return WallFindings(ignored=len(curves))
+    from stplan.certify.wall_clearance import time_at, wall_distances
+
     found = wall_distances(free_space, [curves[a] for a in heeds], frame)
     spots, sentences = [], []
     for a, distance, point in zip(heeds, found.distance.tolist(), found.place, strict=True):

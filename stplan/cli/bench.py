@@ -57,12 +57,44 @@ def everything(console: Console, *, output: Output = FOLDER, full: Full = False)
     require_casadi()
     shipped_scenes([], full=full)
     _finish(console, output, {"machine.md": description().encode()})
+    startup(console, output=output, full=full)
     figures(console, output=output, full=full)
     for name in SWEEPS:
         _sweep(console, name, output=output, full=full)
     rival(console, output=output, full=full)
     seeding(console, output=output, full=full)
     return convergence(console, output=output, full=full)
+
+
+@command(benchmarks, without=_NO_JSON)
+def startup(
+    console: Console,
+    *,
+    output: Output = FOLDER,
+    scene: Annotated[
+        Path, typer.Option(metavar="SCENE", help="The scene to be validated and solved.")
+    ] = Path("scenes/three-agents/symmetric.yaml"),
+    full: Full = False,
+) -> int:
+    """Whole commands beside what loading numpy, scipy.sparse and numba takes.
+
+    Help, validation and solution of a small scene, and its first solution, for which the kernels
+    have to be compiled; in turns with the yardstick, in processes of their own.
+
+    \b
+    Examples:
+      stplan bench startup
+      stplan bench startup --scene scenes/tight/door.yaml --full
+    """
+    from stplan.bench import startup
+
+    timed = startup.measure(
+        scene,
+        rounds=startup.FULL_ROUNDS if full else startup.ROUNDS,
+        first_rounds=startup.FULL_FIRST_ROUNDS if full else startup.FIRST_ROUNDS,
+        progress=console.progress,
+    )
+    return _finish(console, output, startup.files(timed))
 
 
 @command(benchmarks, without=_NO_JSON)

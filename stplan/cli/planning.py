@@ -38,7 +38,7 @@ def solve(
     """Plan scenes; write their trajectories and a report.
 
     For every scene initial curves are found that are clear of each other and of the walls, then all
-    are made smooth and cheap at once, and the result is certified by code of its own. StoppedError
+    are made smooth and cheap at once, and the result is certified by code of its own. Interrupted
     (Ctrl-C, SIGTERM) it writes the best feasible trajectories so far. The same scene gives the same
     bytes, run.json excepted.
 

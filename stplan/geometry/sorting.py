@@ -1,4 +1,4 @@
-"""Counting sort: which rows have which key, in linear time and without changing the order of equals."""
+"""Counting sort, in linear time and without changing the order of equals, and bisection."""
 
 from __future__ import annotations
 
@@ -52,3 +52,18 @@ def sorted_pairs(pairs: IntArray, num_keys: int) -> IntArray:
         turned[k, 0] = result[order[k], 0]
         turned[k, 1] = result[order[k], 1]
     return turned
+
+
+@inner
+def first_at_least(values: IntArray, low: int, high: int, wanted: int) -> int:
+    """The first place in the rising ``values[low:high]`` with at least `wanted`, `high` if there is none.
+
+    numpy's own, once compiled, loads scipy.linalg together with the machine code.
+    """
+    while low < high:
+        middle = (low + high) // 2
+        if values[middle] < wanted:
+            low = middle + 1
+        else:
+            high = middle
+    return low

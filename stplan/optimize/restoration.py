@@ -10,8 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.costs.formulation import Formulation, Penalties, TermSetup
@@ -205,6 +203,9 @@ def _on_time(problem: PlanningProblem, lines: WorldLines, links: IntArray) -> Wo
     """`lines` with exactly one time for all knots of a meeting: that of a prescribed path, or the mean."""
     if not len(links):
         return lines
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
     layout, knots = KnotLayout.from_offsets(lines.offsets), lines.knots
     result = knots.copy()
     given = problem.prescribed[layout.agent_of_knot]

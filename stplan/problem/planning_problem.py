@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,8 +18,9 @@ from stplan.memory import require_memory
 from stplan.scene.interactions import Interactions, Meeting, scene_interactions, scene_meetings
 from stplan.scene.model import Scene
 from stplan.scene.presence import present_until
-from stplan.world.free_space import FreeSpace
-from stplan.world.placement import fitted_free_space
+
+if TYPE_CHECKING:
+    from stplan.world.free_space import FreeSpace
 
 # Agents that plan their motion get at least so many knots where the scene does not say how many.
 LEAST_AUTO_KNOTS = 30
@@ -168,4 +170,8 @@ def prepare(scene: Scene) -> PlanningProblem:
     planned = scene.solver.knots or LEAST_AUTO_KNOTS
     knots = sum(planned if agent.path is None else len(agent.path) for agent in scene.agents)
     require_memory(scene.name, len(scene.agents), knots)
+    if scene.map is None:
+        return PlanningProblem.from_scene(scene, None)
+    from stplan.world.placement import fitted_free_space
+
     return PlanningProblem.from_scene(scene, fitted_free_space(scene))

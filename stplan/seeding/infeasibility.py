@@ -13,7 +13,6 @@ from stplan.geometry.rod_distances import rod_distance
 from stplan.geometry.segments import closest_parameters
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.reasons import Kind, Reason
-from stplan.world import cut_off_agents, widest_passage
 
 # So many touching pairs are described.
 MOST_PAIRS = 5
@@ -27,6 +26,10 @@ def hopeless(problem: PlanningProblem) -> tuple[Reason, ...]:
 
 def not_connected(problem: PlanningProblem, radii: FloatArray) -> list[int]:
     """Agents whose stops lie in different parts of the free space eroded by `radii` (A,)."""
+    if problem.free_space is None:
+        return []
+    from stplan.world import cut_off_agents
+
     stops = [
         points if heeds else points[:0]
         for points, heeds in zip(problem.stops, problem.heeds_walls, strict=True)
@@ -38,8 +41,11 @@ def _too_narrow(problem: PlanningProblem, agent: int) -> Reason:
     """By how much the widest passage between the stops of an agent is too narrow for it."""
     radius = float(problem.radii[agent])
     stops = problem.stops[agent]
-    space = problem.free_space
-    widest = 0.0 if space is None else widest_passage(space, stops, radius)
+    space, widest = problem.free_space, 0.0
+    if space is not None:
+        from stplan.world import widest_passage
+
+        widest = widest_passage(space, stops, radius)
     return Reason(
         "not connected",
         (problem.agent_ids[agent],),

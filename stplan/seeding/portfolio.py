@@ -16,7 +16,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import shapely
 
 from stplan.arrays import FloatArray
 from stplan.compiled import working_time
@@ -41,7 +40,6 @@ from stplan.seeding.search.sequential_dijkstra import SequentialDijkstra
 from stplan.seeding.seeder import Budget, Progress, SeedAttempt, Seeder, SeedRecord
 from stplan.seeding.shortcutting.shortcuts import prepare_seed
 from stplan.seeding.time_bounds import out_of_time
-from stplan.world import FreeSpace
 
 # The method that chooses among the others.
 AUTO = "auto"
@@ -236,6 +234,10 @@ def _surroundings(problem: PlanningProblem) -> PlanningProblem:
     space = problem.free_space
     if space is None:
         return problem
+    import shapely
+
+    from stplan.world import FreeSpace
+
     places = np.vstack(problem.stops)
     if not len(places):
         return problem

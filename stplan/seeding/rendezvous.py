@@ -12,14 +12,10 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
-from scipy.spatial import cKDTree
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.interactions import Meeting
-from stplan.seeding.search.roadmap import build_roadmap
 
 # Candidates in the open: so many along every way, and so many from one way to the other.
 ALONG = 25
@@ -148,6 +144,11 @@ def _candidates(
             return np.hypot(step[:, :, 0], step[:, :, 1])
 
         return candidates, straight
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import dijkstra
+
+    from stplan.seeding.search.roadmap import build_roadmap
+
     radii = problem.radii[movers]
     graph = build_roadmap(free_space, np.vstack(list(stops.values())), radii).graph
     if positions is not None:
@@ -169,6 +170,8 @@ def _candidates(
 
 def _nearest(vertices: FloatArray, points: FloatArray) -> IntArray:
     """(P,) the vertex nearest to each point."""
+    from scipy.spatial import cKDTree
+
     return np.asarray(cKDTree(vertices).query(points)[1], dtype=np.int64)
 
 

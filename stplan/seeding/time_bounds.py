@@ -10,9 +10,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-import shapely
-from scipy.sparse.csgraph import dijkstra
-from shapely.geometry.polygon import orient
 
 from stplan.arrays import FloatArray
 from stplan.problem.planning_problem import PlanningProblem
@@ -20,6 +17,8 @@ from stplan.reasons import Reason
 from stplan.scene.model import Agent, Visit
 
 if TYPE_CHECKING:
+    import shapely
+
     from stplan.world import FreeSpace
 
 # Erosion uses slightly less than the radius, and arcs are cut short: ways come out too short, never too long.
@@ -76,6 +75,9 @@ def _late(agent: Agent, legs: FloatArray) -> Reason | None:
 
 def _corners(free_space: FreeSpace, radius: float) -> tuple[shapely.Geometry, FloatArray]:
     """Where an agent's centre may be, a little more, and the corners (C, 2) that ways bend around."""
+    import shapely
+    from shapely.geometry.polygon import orient
+
     area = free_space.polygon.buffer(-EROSION * radius, quad_segs=ARC_SEGMENTS)
     corners = []
     for part in shapely.get_parts(area):
@@ -99,6 +101,9 @@ def _shortest(
     """Lengths of the shortest ways between consecutive `stops`, `straight` where unknown."""
     if len(corners) > MOST_CORNERS or not len(corners):
         return straight
+    import shapely
+    from scipy.sparse.csgraph import dijkstra
+
     shapely.prepare(area)
     nodes = np.vstack([stops, corners])
     i, j = np.triu_indices(len(nodes), 1)

@@ -20,13 +20,20 @@ def test_all_runs_each_of_them_and_describes_the_machine(tmp_path, monkeypatch, 
 
         return run
 
-    for name in ("figures", "_sweep", "rival", "seeding", "convergence"):
+    for name in ("startup", "figures", "_sweep", "rival", "seeding", "convergence"):
         monkeypatch.setattr(bench, name, note(name))
     monkeypatch.chdir(Path(__file__).parents[2])
     with pytest.raises(SystemExit) as left:
         main(["bench", "all", "--full", "-o", str(tmp_path)])
     assert left.value.code == 0
-    assert {name for name, _, _ in ran} == {"figures", "_sweep", "rival", "seeding", "convergence"}
+    assert {name for name, _, _ in ran} == {
+        "startup",
+        "figures",
+        "_sweep",
+        "rival",
+        "seeding",
+        "convergence",
+    }
     assert [name for name, _, _ in ran].count("_sweep") == 3
     assert all((output, full) == (tmp_path, True) for _, output, full in ran)
     machine = (tmp_path / "machine.md").read_text()

@@ -1,4 +1,4 @@
-"""What only a process of its own can show: start-up, signals, pipes, lazy imports."""
+"""What only a process of its own can show: signals, pipes, encodings."""
 
 from __future__ import annotations
 
@@ -26,51 +26,6 @@ def _run(*arguments: object, **options):
 def test_version():
     result = _run("--version")
     assert (result.returncode, result.stdout) == (0, f"stplan {metadata.version('stplan')}\n")
-
-
-def test_help_and_import_load_nothing_heavy():
-    program = """
-import sys, stplan, stplan.cli.app
-assert stplan.__version__ and "plan" in dir(stplan)
-try:
-    stplan.cli.app.main(["solve", "--help"])
-except SystemExit:
-    pass
-heavy = {"numpy", "scipy", "numba", "shapely", "trimesh", "yaml", "cyipopt"}
-sys.exit(str(heavy & set(sys.modules)) if heavy & set(sys.modules) else 0)
-"""
-    result = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=False
-    )
-    assert result.returncode == 0, result.stderr
-
-
-def test_validating_loads_no_kernels_and_no_solver(tmp_path):
-    (tmp_path / "scene.yaml").write_text(
-        "stplan: 1\nhorizon: 9\nmap: {rectangle: [-1, -1, 9, 9]}\n"
-        "agents: [{id: a, start: [0, 0], goal: [5, 5]}]\n"
-    )
-    program = """
-import sys, stplan.cli.app
-try:
-    stplan.cli.app.main(["validate", "scene.yaml"])
-except SystemExit as done:
-    assert done.code == 0
-sys.exit(str({"numba", "cyipopt"} & set(sys.modules)) if {"numba", "cyipopt"} & set(sys.modules) else 0)
-"""
-    result = subprocess.run(
-        [sys.executable, "-c", program],
-        cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, text=True,
-        check=False,
-    )  # fmt: skip
-    assert result.returncode == 0, result.stderr
-
-
-def test_unknown_names_of_the_package():
-    import stplan
-
-    with pytest.raises(AttributeError, match="no attribute 'plam'"):
-        _ = stplan.plam
 
 
 SCENE = """\

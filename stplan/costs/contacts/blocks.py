@@ -16,6 +16,7 @@ from stplan.compiled import kernel
 from stplan.costs.contacts.contact_set import ContactList
 from stplan.costs.contacts.potential import Coefficients
 from stplan.geometry.contacts import POINT_PAIRS, Measured, add_gradient
+from stplan.geometry.sorting import first_at_least
 from stplan.nlp.term import Structure
 
 _FIRST = np.array([pair[0] for pair in POINT_PAIRS])
@@ -180,7 +181,7 @@ def _locate_blocks(
                     continue
                 low = row_starts[row]
                 high = row_starts[row + 1]
-                at = low + np.searchsorted(columns[low:high], column)
+                at = first_at_least(columns, low, high, column)
                 found = at < high and columns[at] == column
                 places[k, pair] = block_starts[at] if found else MISSING
     return places

@@ -1,4 +1,4 @@
-"""Translation to Ipopt through cyipopt, and nothing else: the only file that imports cyipopt."""
+"""Translation to Ipopt through cyipopt, and nothing else: all else that concerns it is elsewhere."""
 
 from __future__ import annotations
 
@@ -6,14 +6,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-import cyipopt
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.errors import SolverError
+from stplan.nlp.ipopt.library import load_ipopt, package_version
 from stplan.nlp.solution import Iteration, Solution, WarmStart
 from stplan.nlp.step_control import StepControl
 from stplan.status import Status
+
+_IPOPT = load_ipopt()
 
 # Ipopt's statuses that mean "done", and that its iterations are used up or that it was stopped.
 _SOLVED, _ACCEPTABLE = 0, 1
@@ -71,7 +73,7 @@ class _Callbacks:
         value = self._control.value(x)
         if not np.isfinite(value):
             # Undefined here: Ipopt shortens the step. Raised from nowhere else, it would abort there.
-            raise cyipopt.CyIpoptEvaluationError
+            raise _IPOPT.CyIpoptEvaluationError
         return value
 
     def gradient(self, x: FloatArray) -> FloatArray:
@@ -149,7 +151,7 @@ class Ipopt:
         """
         program = control.program
         callbacks = _Callbacks(control, stop)
-        handle = cyipopt.Problem(
+        handle = _IPOPT.Problem(
             n=program.num_variables,
             m=len(program.linear.least),
             problem_obj=callbacks,
@@ -220,7 +222,7 @@ def require_options(options: Mapping[str, Any]) -> None:
     """
     if not options:
         return
-    handle = cyipopt.Problem(
+    handle = _IPOPT.Problem(
         n=1, m=0, problem_obj=_Nothing(), lb=np.zeros(1), ub=np.ones(1), cl=[], cu=[]
     )
     for key, value in options.items():
@@ -250,6 +252,6 @@ def _set_option(handle: Any, key: str, value: Any) -> None:
 def versions() -> dict[str, str]:
     """Versions of cyipopt and of the Ipopt it carries."""
     return {
-        "cyipopt": str(cyipopt.__version__),
-        "ipopt": ".".join(str(part) for part in cyipopt.IPOPT_VERSION),
+        "cyipopt": package_version(),
+        "ipopt": ".".join(str(part) for part in _IPOPT.IPOPT_VERSION),
     }

@@ -13,7 +13,6 @@ from stplan.problem.clearance import wall_clearance
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement, requirement
 from stplan.reasons import Reason
-from stplan.seeding.elastic_bands.geodesics import geodesic_curves
 from stplan.seeding.elastic_bands.relaxation import MOST_SWEEPS, NAME, RELAXATION_KNOTS, relax
 from stplan.seeding.infeasibility import touching
 from stplan.seeding.seeder import Budget, SeedAttempt
@@ -41,6 +40,8 @@ class Relaxation:
         """Ways around the walls to start from, one an agent where it has any; None starts straight."""
         if straight_ways_are_clear(self.problem):
             return None
+        from stplan.seeding.elastic_bands.geodesics import geodesic_curves
+
         return geodesic_curves(self.problem)
 
     def attempt(self, budget: Budget) -> SeedAttempt:

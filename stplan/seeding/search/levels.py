@@ -13,7 +13,6 @@ from stplan.reasons import Reason
 from stplan.seeding.infeasibility import not_connected, stranded, too_few_layers
 from stplan.seeding.search.graph import Graph
 from stplan.seeding.search.planner import Journeys, LayeredPlanner, automatic_layers
-from stplan.seeding.search.roadmap import build_roadmap
 
 # Roadmaps are so many times finer where the first one misses ways that the free space has.
 REFINEMENTS = (2.0, 4.0)
@@ -78,6 +77,8 @@ class Levels:
         return level
 
     def _roadmap(self, margin: float, required: Requirement, refine: float) -> Level:
+        from stplan.seeding.search.roadmap import build_roadmap
+
         problem = self.problem
         movers = np.flatnonzero(~problem.prescribed)
         heeding = problem.heeds_walls[movers]

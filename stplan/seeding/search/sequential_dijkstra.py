@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -26,9 +26,10 @@ from stplan.seeding.margins import margin_ladder
 from stplan.seeding.search.layered_dijkstra import HARD, space_time_length
 from stplan.seeding.search.levels import Level, out_of_layers
 from stplan.seeding.search.planner import Journeys, LayeredPlanner
-from stplan.seeding.search.roadmap import Roadmap, mesh_roadmap
 from stplan.seeding.seeder import Budget, SeedAttempt, SeedRecord
-from stplan.world import build_seeding_mesh
+
+if TYPE_CHECKING:
+    from stplan.seeding.search.roadmap import Roadmap
 
 LAYER_FACTORS = (1, 2, 4)
 
@@ -43,6 +44,9 @@ class SequentialDijkstra:
     @cached_property
     def roadmap(self) -> Roadmap:
         """The edges of the mesh, with all stops among its vertices."""
+        from stplan.seeding.search.roadmap import mesh_roadmap
+        from stplan.world import build_seeding_mesh
+
         mesh = build_seeding_mesh(self.problem.scene, self.problem.free_space)
         return mesh_roadmap(mesh, np.vstack(self.problem.stops))
 
