@@ -22,7 +22,6 @@ from stplan.files.manifest import KEY, manifest
 from stplan.files.recorded import REPORT, RUN_RECORD
 from stplan.files.trajectories import curve_files
 from stplan.geometry.segments import closest_parameters
-from stplan.improvement import search
 from stplan.improvement.budget import ImprovementBudget
 from stplan.multistart import best_seeds, own_cost
 from stplan.nlp.ipopt.adapter import require_options
@@ -160,6 +159,8 @@ def improve(
     """
     if result.trajectories is None:
         return result
+    from stplan.improvement import search
+
     clock = Clock()
     with clock.stage("world"):
         problem = prepare(result.scene)

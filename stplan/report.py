@@ -8,12 +8,11 @@ from functools import cache
 from importlib import metadata
 from platform import node, python_version
 from platform import platform as platform_name
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stplan.analysis.metrics import Metrics, metrics
 from stplan.certify.certificate import Certificate
 from stplan.clock import Clock
-from stplan.improvement.search import ImprovementRecord
 from stplan.memory import MIB, peak
 from stplan.nlp.ipopt.adapter import versions as ipopt_versions
 from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
@@ -22,6 +21,9 @@ from stplan.optimize.cost_scales import CostScales
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Seed
 from stplan.status import Status
+
+if TYPE_CHECKING:
+    from stplan.improvement.search import ImprovementRecord
 
 FORMAT = 1
 

@@ -1,4 +1,4 @@
-"""What is cut out of a map: rectangles, polygons, discs. Lengths in m."""
+"""What is cut out of a map: rectangles, polygons, discs, lines. Lengths in m."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import numpy as np
 from pydantic import Field
 
 from stplan.arrays import FloatArray, Point
-from stplan.maps.rings import rectangle_ring, simple_ring
+from stplan.maps.rings import polyline, rectangle_ring, simple_ring
 from stplan.schema.mapping import GIVEN, Fault, FileModel, key
 from stplan.schema.quantities import Point as PointKey
-from stplan.schema.quantities import Positive, Rectangle, Ring
+from stplan.schema.quantities import Polyline, Positive, Rectangle, Ring
 
 # Sides of the polygon that stands for a disc; it contains the disc, so nobody gets closer than asked.
 CIRCLE_SIDES = 64
@@ -31,6 +31,10 @@ class ObstacleFile(FileModel):
     rectangle: Annotated[Rectangle | None, GIVEN] = key("[xmin, ymin, xmax, ymax] in m")
     polygon: Annotated[Ring | None, GIVEN] = key("[[x, y], ...] in m, a ring that is not closed")
     circle: Annotated[CircleFile | None, GIVEN] = key("a disc")
+    line: Annotated[Polyline | None, GIVEN] = key("[[x, y], ...] in m, a wall along this polyline")
+    thickness: Annotated[Positive | None, GIVEN] = key(
+        "of the wall along `line`, m, half to either side; default: none"
+    )
 
 
 @dataclass(frozen=True)
@@ -62,11 +66,28 @@ class CircleObstacle:
         return np.array(self.center) + reach * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
-def compile_obstacle(
-    entry: ObstacleFile, path: str, faults: list[Fault]
-) -> PolygonObstacle | CircleObstacle:
+@dataclass(frozen=True)
+class LineObstacle:
+    """A wall along a polyline, closed where its ends coincide; None is no thickness at all (m)."""
+
+    line: tuple[Point, ...]
+    thickness: float | None = None
+
+    def meaning(self) -> dict[str, Any]:
+        """What the scene says, as it is hashed."""
+        return {"line": self.line, "thickness": self.thickness}
+
+
+Obstacle = PolygonObstacle | CircleObstacle | LineObstacle
+
+
+def compile_obstacle(entry: ObstacleFile, path: str, faults: list[Fault]) -> Obstacle:
     """The obstacle; with new `faults` it must not be used."""
-    exactly_one(entry, ("rectangle", "polygon", "circle"), path, faults)
+    exactly_one(entry, ("rectangle", "polygon", "circle", "line"), path, faults)
+    if entry.thickness is not None and entry.line is None:
+        faults.append((f"{path}.thickness", "belongs to a line, and there is none"))
+    if entry.line is not None:
+        return LineObstacle(polyline(entry.line, f"{path}.line", faults), entry.thickness)
     if entry.circle is not None:
         x, y = entry.circle.center
         return CircleObstacle((x, y), entry.circle.radius)

@@ -45,11 +45,13 @@ class Floor:
     Attributes:
         area: where centres of agents may be, a valid Polygon or MultiPolygon, m.
         triangles: (F, 3, 2) the map's own, m, None where it has none.
+        slits: walls without thickness inside the area, polylines (n, 2), m.
         notes: for the user.
     """
 
     area: shapely.Geometry
     triangles: FloatArray | None = None
+    slits: tuple[FloatArray, ...] = ()
     notes: tuple[Note, ...] = ()
 
 

@@ -46,3 +46,14 @@ def simple_ring(
     elif shape.area == 0:
         faults.append((path, "has no area; corners that are not on one line are expected"))
     return ring
+
+
+def polyline(
+    points: Sequence[Sequence[float]], path: str, faults: list[Fault]
+) -> tuple[Point, ...]:
+    """The points of a line, those left out that repeat the one before."""
+    line = [(point[0], point[1]) for point in points]
+    kept = tuple(point for k, point in enumerate(line) if k == 0 or point != line[k - 1])
+    if len(kept) < 2:
+        faults.append((path, "is a single point; a line through at least 2 is expected"))
+    return kept

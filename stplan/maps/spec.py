@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from stplan.maps.obstacles import CircleObstacle, PolygonObstacle
+from stplan.maps.obstacles import Obstacle
 from stplan.maps.reader import MapBase
 
 
@@ -13,5 +13,5 @@ class MapSpec:
     """The map as written: a base, obstacles cut out of it, wanted edge length of the mesh (m)."""
 
     base: MapBase
-    obstacles: tuple[PolygonObstacle | CircleObstacle, ...] = ()
+    obstacles: tuple[Obstacle, ...] = ()
     resolution: float | None = None

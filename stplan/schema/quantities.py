@@ -117,6 +117,7 @@ Interval = Annotated[
     list[Number], Field(min_length=2, max_length=2), _fixed(2, "an interval [from, to] in s")
 ]
 Ring = Annotated[list[Point], Field(min_length=3, max_length=MOST_POINTS)]
+Polyline = Annotated[list[Point], Field(min_length=2, max_length=MOST_POINTS)]
 
 
 def _identifier(text: str) -> str:

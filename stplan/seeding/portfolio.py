@@ -236,8 +236,6 @@ def _surroundings(problem: PlanningProblem) -> PlanningProblem:
         return problem
     import shapely
 
-    from stplan.world import FreeSpace
-
     places = np.vstack(problem.stops)
     if not len(places):
         return problem
@@ -246,7 +244,7 @@ def _surroundings(problem: PlanningProblem) -> PlanningProblem:
     box = shapely.box(*(low - room), *(high + room))
     if space.polygon.area < SPACIOUS * box.area:
         return problem
-    part = FreeSpace.from_polygon(shapely.intersection(space.polygon, box))
+    part = space.within(box)
     near = replace(problem, free_space=part)
     return problem if not_connected(near, problem.radii) else near
 

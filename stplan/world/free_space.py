@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,39 +11,64 @@ import shapely
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.errors import SceneError
-from stplan.maps.floor import read_floor
+from stplan.maps.floor import pieces, polylines, read_floor
 from stplan.maps.reader import MapError
 from stplan.scene.model import Scene
+
+# A wall without thickness is opened this wide in `FreeSpace.polygon`: a share of the map's extent, but
+# many roundings of its coordinates.
+HAIR, HAIR_ROUNDINGS = 1e-9, 64
 
 
 @dataclass(frozen=True)
 class FreeSpace:
     """The map as a polygon with its boundary.
 
+    Walls without thickness (slits) are edges of the boundary that bound nothing: `clearance` is exactly
+    that to them. An area cannot have such edges, so in `polygon` they are opened by a hair, some 1e-9 of
+    the extent: whatever erodes it, asks what it covers or which of its parts hold a point sees them too.
+
     Attributes:
         polygon: shapely Polygon or MultiPolygon, m.
-        boundary_vertices: (B, 2) corners of outer rings and holes, m.
-        boundary_edges: (E, 2) indices into them.
+        boundary_vertices: (B, 2) corners of outer rings, holes and slits, m.
+        boundary_edges: (E, 2) indices into them, those of slits last. Every corner is the first end of
+            an edge: an open slit's last edge is two, that run from both of its ends to its middle.
         triangles: (F, 3, 2) triangles that the map was drawn with, m, None where it has none.
+        slits: polylines (n, 2) among the edges, m.
+        area: the polygon with its slits closed.
     """
 
     polygon: shapely.Geometry
     boundary_vertices: FloatArray
     boundary_edges: IntArray
-    triangles: FloatArray | None = None
+    triangles: FloatArray | None
+    slits: tuple[FloatArray, ...]
+    area: shapely.Geometry
 
     @staticmethod
-    def from_polygon(polygon: shapely.Geometry, triangles: FloatArray | None = None) -> FreeSpace:
+    def from_polygon(
+        polygon: shapely.Geometry,
+        triangles: FloatArray | None = None,
+        slits: Sequence[FloatArray] = (),
+    ) -> FreeSpace:
         """The free space of a polygon; exactly collinear corners are dropped, order is canonical."""
-        polygon = shapely.normalize(shapely.simplify(polygon, 0.0, preserve_topology=True))
-        parts = shapely.get_parts(polygon)
+        area = shapely.normalize(shapely.simplify(polygon, 0.0, preserve_topology=True))
+        parts = shapely.get_parts(area)
         rings = shapely.get_rings(parts[shapely.area(parts) > 0])
         corners, owner = shapely.get_coordinates(rings, return_index=True)
-        vertices, place = _distinct(corners)
-        edges = np.column_stack([place[:-1], place[1:]])[np.diff(owner) == 0]
-        shapely.prepare(polygon)
+        ends = np.hstack([corners[:-1], corners[1:]])[np.diff(owner) == 0]
+        ends = np.vstack([ends, _slit_edges(slits)])
+        vertices, place = _distinct(ends.reshape(-1, 2))
+        edges = place.reshape(-1, 2)
         edges = np.ascontiguousarray(edges[edges[:, 0] != edges[:, 1]])
-        return FreeSpace(polygon, vertices, edges, triangles)
+        opened = _opened(area, slits)
+        shapely.prepare(opened)
+        return FreeSpace(opened, vertices, edges, triangles, tuple(slits), area)
+
+    def within(self, region: shapely.Geometry) -> FreeSpace:
+        """The part of it inside `region`, a polygon."""
+        slits = pieces(shapely.intersection(polylines(self.slits), region))
+        return FreeSpace.from_polygon(shapely.intersection(self.area, region), None, slits)
 
     @cached_property
     def boundary_segments(self) -> FloatArray:
@@ -112,4 +138,30 @@ def build_free_space(scene: Scene) -> FreeSpace | None:
         floor = read_floor(scene.map)
     except MapError as fault:
         raise SceneError(scene.located(fault.path, fault.text)) from fault
-    return FreeSpace.from_polygon(floor.area, floor.triangles)
+    return FreeSpace.from_polygon(floor.area, floor.triangles, floor.slits)
+
+
+def _slit_edges(slits: Sequence[FloatArray]) -> FloatArray:
+    """(S, 4) edges of polylines (n, 2), as `FreeSpace.boundary_edges` wants them."""
+    if not slits:
+        return np.empty((0, 4))
+    corners, owner = np.vstack(slits), np.repeat(np.arange(len(slits)), list(map(len, slits)))
+    edges = np.hstack([corners[:-1], corners[1:]])[np.diff(owner) == 0]
+    first = np.searchsorted(owner, np.arange(len(slits)), side="left")
+    final = np.searchsorted(owner, np.arange(len(slits)), side="right") - 1
+    is_open = (corners[first] != corners[final]).any(axis=1)
+    last = (final - np.arange(len(slits)) - 1)[is_open]
+    tails, middle = edges[last, 2:], (edges[last, :2] + edges[last, 2:]) / 2
+    edges[last, 2:] = middle
+    return np.vstack([edges, np.hstack([tails, middle])])
+
+
+def _opened(area: shapely.Geometry, slits: Sequence[FloatArray]) -> shapely.Geometry:
+    """`area` less a hair's breadth around each polyline of `slits`, their ends included."""
+    if not slits:
+        return area
+    low, high = np.array(shapely.bounds(area)).reshape(2, 2)
+    rounding = float(np.spacing(np.abs([low, high]).max()))
+    hair = max(HAIR * float((high - low).max()), HAIR_ROUNDINGS * rounding)
+    hairs = shapely.buffer(polylines(slits), hair / 2, cap_style="square", join_style="mitre")
+    return shapely.difference(area, shapely.disjoint_subset_union_all(hairs))

@@ -107,13 +107,36 @@ def test_pair(entry, message):
         (
             "{rectangle: [0, 0, 9, 9], obstacles: [{}, {rectangle: [1, 1, 0, 2]}]}",
             [
-                "4:44: map.obstacles[0]: has none of rectangle, polygon and circle; one is",
+                "4:44: map.obstacles[0]: has none of rectangle, polygon, circle and line; one is",
                 "4:49: map.obstacles[1].rectangle: reaches from xmin 1 to xmax 0; ",
             ],
         ),
         (
             "{rectangle: [0, 0, 9, 9], obstacles: [{circle: {center: [1, 1], radius: 0}}]}",
             ["4:70: map.obstacles[0].circle.radius: is 0; more than 0 is expected"],
+        ),
+        (
+            "{rectangle: [0, 0, 9, 9], obstacles: [{polygon: [[1, 1], [2, 2]]}]}",
+            [
+                "4:45: map.obstacles[0].polygon: is a list of 2; at least 3 is expected; "
+                "a wall without an area is a `line`"
+            ],
+        ),
+        (
+            "{rectangle: [0, 0, 9, 9], obstacles: [{line: [[1, 1], [1, 1]], thickness: -1}]}",
+            ["4:69: map.obstacles[0].thickness: is -1; more than 0 is expected"],
+        ),
+        (
+            "{rectangle: [0, 0, 9, 9], obstacles: [{line: [[1, 1], [1, 1]]}]}",
+            ["4:45: map.obstacles[0].line: is a single point; a line through at least 2 is"],
+        ),
+        (
+            "{rectangle: [0, 0, 9, 9], obstacles: [{line: [[1, 1]]}]}",
+            ["4:45: map.obstacles[0].line: is a list of 1; at least 2 is expected"],
+        ),
+        (
+            "{rectangle: [0, 0, 9, 9], obstacles: [{rectangle: [1, 1, 2, 2], thickness: 1}]}",
+            ["4:70: map.obstacles[0].thickness: belongs to a line, and there is none"],
         ),
         ("{mesh: no.obj}", ["4:7: map.mesh: there is no file 'no.obj' beside the scene"]),
         ('{mesh: "a\\0.obj"}', ["4:7: map.mesh: there is no file 'a\\x00.obj' beside the scene"]),

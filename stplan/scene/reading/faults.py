@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import re
 from collections.abc import Iterable
 from typing import Any, get_args
 
@@ -20,6 +21,7 @@ from stplan.schema.mapping import Fault
 MOST_HINTS = 100
 MOST_CHOICES = 2000
 
+_WALL = re.compile(r"map\.obstacles\[\d+\]\.polygon\Z")
 _EXPECTED = {
     "greater_than": "more than {gt:g}",
     "greater_than_equal": "at least {ge:g}",
@@ -82,6 +84,8 @@ def sentences(error: ValidationError, tree: Tree, hints: Hints) -> list[Fault]:
             text = f"is missing; expected is: {meaning}"
         else:
             text = _sentence(kind, fault, tree.written.get(path), hints)
+            if kind == "too_short" and _WALL.match(path):
+                text += "; a wall without an area is a `line`"
         found.setdefault(path, text)
     return list(found.items())
 
