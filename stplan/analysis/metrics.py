@@ -9,7 +9,7 @@ import numpy as np
 
 from stplan.analysis.paths import segment_lengths
 from stplan.arrays import FloatArray
-from stplan.problem.kinetic import kinetic_cost, least_kinetic_cost
+from stplan.problem.kinetic_cost import kinetic_cost, least_kinetic_cost
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Agent, Scene
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from stplan.analysis.metrics import turning
 from stplan.arrays import FloatArray
-from stplan.problem.kinetic import kinetic_cost
+from stplan.problem.kinetic_cost import kinetic_cost
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Agent, Scene
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.problem.kinetic import least_kinetic_cost
+from stplan.problem.kinetic_cost import least_kinetic_cost
 from stplan.scene.model import Agent, Scene, SeedingSettings, SolverSettings, Weights
 
 

@@ -21,7 +21,7 @@ from stplan.errors import UsageError
 from stplan.multistart import straight_conflicts
 from stplan.optimize.continuation import optimise
 from stplan.planner import Plan, prepare
-from stplan.problem.kinetic import total_kinetic_cost
+from stplan.problem.kinetic_cost import total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene

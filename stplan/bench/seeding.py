@@ -20,7 +20,7 @@ from stplan.bench import families_open as wide
 from stplan.bench import families_tight as tight
 from stplan.certify.certificate import certify
 from stplan.errors import SeedingError, UsageError
-from stplan.problem.kinetic import total_kinetic_cost
+from stplan.problem.kinetic_cost import total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.model import Scene, SeedingMethod
 from stplan.seeding.portfolio import find_seed

@@ -27,7 +27,7 @@ from stplan.improvement.proposals import MOVES, Proposals
 from stplan.optimize.continuation import LiveLine, Optimisation, optimise
 from stplan.optimize.restoration import asks_for_more, restore
 from stplan.optimize.scales import derive_scales
-from stplan.problem.kinetic import kinetic_cost
+from stplan.problem.kinetic_cost import kinetic_cost
 from stplan.problem.layout import KnotLayout
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines

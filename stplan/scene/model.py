@@ -44,7 +44,7 @@ class Agent:
 
     `visits` has one entry a waypoint, or none at all where no waypoint asks for anything. With a
     `max_acceleration` (m/s^2) the agent starts and ends at rest; `max_speed` is in m/s.
-    `path`, where given, is the whole world line ((x, y, t), ...): the agent moves as told, and
+    `path`, where given, is the whole world line ((x, y, t), ...): the motion is prescribed, and
     `start`, `goal`, `start_time` and `max_time` repeat its ends.
     """
 

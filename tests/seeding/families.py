@@ -16,7 +16,7 @@ from stplan.bench.families_open import (
     scene,
 )
 from stplan.bench.families_open import straight_kinetic_cost as straight_energy
-from stplan.problem.kinetic import total_kinetic_cost
+from stplan.problem.kinetic_cost import total_kinetic_cost
 from stplan.scene.model import Scene
 
 __all__ = [

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from stplan.errors import SeedingError
-from stplan.problem.kinetic import total_kinetic_cost
+from stplan.problem.kinetic_cost import total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import held_requirement, requirement
 from stplan.problem.verification import verify

@@ -192,7 +192,7 @@ class _Merge:
             self._faults.append((f"{here}.max_time", text))
         for key in ("max_speed", "max_acceleration"):
             if getattr(own, key) is not None:
-                text = "belongs to agents that find their way; one with a path moves as told"
+                text = "belongs to agents that find their way; the motion of one with a path is prescribed"
                 self._faults.append((f"{here}.{key}", text))
         if own.waypoints:
             text = "belongs to agents that find their way; one with a path passes its knots"

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from stplan.arrays import FloatArray
-from stplan.problem.kinetic import total_kinetic_cost
+from stplan.problem.kinetic_cost import total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement, held_requirement
 from stplan.seeding.elastic_bands.relaxation import relax

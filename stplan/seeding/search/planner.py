@@ -172,7 +172,7 @@ class LayeredPlanner:
         self.reset()
 
     def reset(self) -> None:
-        """Forget all rods but those of agents that move as told."""
+        """Forget all rods but those of agents whose motion is prescribed."""
         self.reservations.clear()
         for _, blocks in self._fixed:
             self.add(blocks)

@@ -19,7 +19,7 @@ from typing import ClassVar
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.problem.kinetic import kinetic_cost, total_kinetic_cost
+from stplan.problem.kinetic_cost import kinetic_cost, total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement, held_requirement
 from stplan.problem.verification import verify

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.problem.kinetic import total_kinetic_cost
+from stplan.problem.kinetic_cost import total_kinetic_cost
 from stplan.problem.planning_problem import LEAST_AUTO_KNOTS, PlanningProblem
 from stplan.problem.requirement import Requirement, held_requirement
 from stplan.problem.verification import verify

@@ -7,7 +7,7 @@ import pytest
 
 from stplan.bench import families_tight as tight
 from stplan.planner import prepare
-from stplan.problem.kinetic import total_kinetic_cost
+from stplan.problem.kinetic_cost import total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.verification import verify
 from stplan.seeding.search.least_cost import LeastCost

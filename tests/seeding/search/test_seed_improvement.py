@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stplan.bench import families_tight as tight
-from stplan.problem.kinetic import total_kinetic_cost
+from stplan.problem.kinetic_cost import total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem, prepare
 from stplan.problem.verification import verify
 from stplan.seeding.elastic_bands.relaxation_seeder import Relaxation

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stplan.problem.kinetic import kinetic_cost, least_kinetic_cost
+from stplan.problem.kinetic_cost import kinetic_cost, least_kinetic_cost
 
 
 def test_a_constant_speed_costs_half_the_mass_times_its_square_times_the_time():
