@@ -6,10 +6,10 @@ its two segments, but over no more than an eighth of the time from start to arri
 Before the first and after the last knot an agent with such a limit is at rest, half a segment from that
 segment's middle.
 
-Any smooth motion through the knots at their times accelerates at least so much somewhere around the knot
-(mean value theorem). An agent that changes its velocity evenly around a knot, at a rate a for a time w,
-strays from the curve by a w^2 / 8. Without the eighth, a curve of few long segments would hide any
-acceleration in a large w.
+But for the eighth, any smooth motion through the knots at their times accelerates at least so much
+somewhere around the knot (mean value theorem). An agent that changes its velocity evenly around a knot, at
+a rate a for a time w, strays from the curve by a w^2 / 8. Without the eighth, a curve of few long segments
+would hide any acceleration in a large w.
 """
 
 from __future__ import annotations

@@ -7,6 +7,7 @@ import pytest
 
 from stplan.certify import pairs as pairs_module
 from stplan.certify.certificate import certify
+from stplan.certify.pair_clearance import nearest_moments
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import PairRule, Weights
 from tests.certify.crowds import scene_of, walkers
@@ -133,3 +134,22 @@ def test_agents_that_meet_out_of_this_world_are_refused() -> None:
             "a: a coordinate or time is beyond 1e+09",
             "b: a coordinate or time is beyond 1e+09",
         }
+
+
+def test_a_crowd_of_a_million_pairs_is_judged_as_by_looking_at_each() -> None:
+    rng = np.random.default_rng(7)
+    lines = walkers(1500, rng)
+    radii = rng.uniform(0.25, 0.4, 1500)
+    found = certify(scene_of(lines, radii), None, lines)
+    leaves = lines.knots[lines.offsets[1:] - 1, 2]
+    every = nearest_moments(lines, leaves, ~np.eye(1500, dtype=bool))
+    clearance = np.sort(every.distance - radii[every.pairs].sum(axis=1))
+    assert len(found.pairs) == 1000
+    assert [spot.clearance for spot in found.pairs] == clearance[:1000].tolist()
+    assert found.unlisted is not None
+    assert found.unlisted.pairs == 1500 * 1499 // 2 - 1000
+    assert found.unlisted.clearance <= clearance[1000]
+    too_near = int((clearance <= 0.0).sum())
+    assert too_near > 1000
+    assert len(found.violations) == 1001
+    assert found.violations[-1].startswith(f"{too_near - 1000} further pairs")
