@@ -67,8 +67,8 @@ class Contest:
 def best_seeds(problem: PlanningProblem, *, progress: Progress) -> Contest:
     """Seeds to choose from.
 
-    They come from `seeding.rng_seed` and the numbers after it. The first may take `seeding.time_limit`, and
-    so may all others together.
+    They come from `seeding.rng_seed` and the numbers after it. Each may take `seeding.time_limit` of its own, so that
+    one that is slow leaves the others as they are.
 
     Raises:
         SeedingError: there is none.
@@ -78,8 +78,7 @@ def best_seeds(problem: PlanningProblem, *, progress: Progress) -> Contest:
     deadline = working_time() + settings.time_limit
     first = portfolio.find(Budget(settings.rng_seed, deadline, progress))
     effort = EFFORTS[scene.solver.effort]
-    deadline = working_time() + settings.time_limit
-    every = [first, *_other_seeds(problem, portfolio, first, effort, deadline)]
+    every = [first, *_other_seeds(problem, portfolio, first, effort)]
     found = [
         replace(seed, record=replace(seed.record, starts=len(every), start=number))
         for number, seed in enumerate(every, start=1)
@@ -95,15 +94,17 @@ def best_seeds(problem: PlanningProblem, *, progress: Progress) -> Contest:
 
 
 def _other_seeds(
-    problem: PlanningProblem, portfolio: Portfolio, first: Seed, effort: Effort, deadline: float
+    problem: PlanningProblem, portfolio: Portfolio, first: Seed, effort: Effort
 ) -> Iterator[Seed]:
-    """What competes with the `first` seed, until the `deadline`."""
-    rng_seed = problem.scene.seeding.rng_seed
+    """What competes with the `first` seed."""
+    settings = problem.scene.seeding
+    rng_seed = settings.rng_seed
     asked = problem.scene.solver.starts
     if not portfolio.rivals or asked is not None:
         starts = asked or _worthwhile_starts(problem, first, effort.starts_share)
         for start in range(1, starts):
             try:
+                deadline = working_time() + settings.time_limit
                 yield portfolio.find(Budget(rng_seed + start, deadline))
             except SeedingError:
                 continue
@@ -111,8 +112,8 @@ def _other_seeds(
     for rival in portfolio.rivals:
         failures = 0
         for start in range(round(effort.starts_share * rival.starts)):
-            budget = Budget(rng_seed + start, deadline)
-            if budget.spent() or failures == FAILURES:
+            budget = Budget(rng_seed + start, working_time() + settings.time_limit)
+            if failures == FAILURES:
                 break
             seed = portfolio.find_by(rival.seeder, budget)
             failures = failures + 1 if seed is None else 0
