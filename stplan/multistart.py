@@ -67,8 +67,8 @@ class Contest:
 def best_seeds(problem: PlanningProblem, *, progress: Progress) -> Contest:
     """Seeds to choose from.
 
-    They come from `seeding.rng_seed` and the numbers after it. Each may take `seeding.time_limit` of its own, so that
-    one that is slow leaves the others as they are.
+    They come from `seeding.rng_seed` and the numbers after it. Each may take a `seeding.time_limit` of its
+    own, so that one that is slow leaves the others as they are.
 
     Raises:
         SeedingError: there is none.
