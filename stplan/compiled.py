@@ -7,115 +7,44 @@ and no threads: the same input gives the same bytes.
 
 from __future__ import annotations
 
+import gc
 import time
 from collections.abc import Callable
-from functools import cache
-from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-import numba
-from numba.core import caching, event
-from numba.core.dispatcher import Dispatcher
-from numba.core.registry import CPUDispatcher
-from numba.core.runtime.nrt import rtsys
+from numba.core import event
+
+from stplan.dispatchers import EntryDispatcher, LinkedCompiler, LinkedDispatcher
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+# Thresholds of the garbage collector meanwhile: compiling makes millions of objects, few in cycles.
+COMPILING = (200_000, 50, 100)
+OPTIONS = {"nopython": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 
 
 def kernel(function: Function) -> Function:
-    """Compile `function` to machine code on first call, cached on disk."""
-    dispatcher = _njit(no_cfunc_wrapper=True)(function)
-    dispatcher._cache = _KernelCache(function)
+    """Compile `function`, which Python calls, to machine code on its first call, cached on disk."""
+    dispatcher = EntryDispatcher(function, targetoptions=dict(OPTIONS))
+    dispatcher.enable_caching()
     return cast(Function, dispatcher)
 
 
 def inner(function: Function) -> Function:
-    """Like `kernel`, for what only kernels call: it lacks what a call from Python would need."""
-    dispatcher = _njit(no_cfunc_wrapper=True, no_cpython_wrapper=True)(function)
-    dispatcher._cache = _KernelCache(function)
-    return cast(Function, _from_kernels_only(dispatcher))
+    """Compile `function`, which kernels call; a call from Python runs it as it is written."""
+    return _linked(function)
 
 
 def inlined(function: Function) -> Function:
-    """Like `inner`, but part of every kernel that calls it (small primitives, or called once)."""
-    return cast(Function, _from_kernels_only(_njit(inline="always")(function)))
+    """Like `inner`, but always made part of its callers: for what is small or called once."""
+    return _linked(function, forceinline=True)
 
 
-def _njit(**options: Any) -> Any:
-    return cast(Any, numba.njit)(error_model="numpy", **options)
-
-
-class _FromKernelsOnly(CPUDispatcher):
-    """A compiled function that a call from Python does not compile: it runs as it is written."""
-
-    def __call__(self, *arguments: Any, **named: Any) -> Any:
-        return self.py_func(*arguments, **named)
-
-
-def _from_kernels_only(dispatcher: Any) -> Any:
-    dispatcher.__class__ = _FromKernelsOnly
-    return dispatcher
-
-
-class _KernelCache(caching.FunctionCache):
-    """numba's cache on disk, good for the source of a kernel and of all that it calls.
-
-    numba looks at the kernel's own file only, so machine code would outlive a change of what is linked
-    into it. And before it loads anything it imports all that compiling takes, most of the time that
-    loading would take; machine code itself needs no more than the runtime.
-    """
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The compiled function for a signature, None where it has to be compiled."""
-        rtsys.initialize(target_context)
-        return self._load_overload(sig, target_context)
-
-    def _load_overload(self, sig: Any, target_context: Any) -> Any:
-        self._stamp()
-        return super()._load_overload(sig, target_context)
-
-    def _save_overload(self, sig: Any, data: Any) -> None:
-        self._stamp()
-        super()._save_overload(sig, data)
-
-    def _stamp(self) -> None:
-        """Tell what the sources are, once all they refer to has been imported."""
-        stamped = self._cache_file
-        if not isinstance(stamped, _StampedFile):
-            self._cache_file = _StampedFile(
-                self.cache_path, self._impl.filename_base, source_stamp(self._py_func)
-            )
-
-
-class _StampedFile(caching.IndexDataCacheFile):
-    """What is on disk for one kernel."""
-
-    def _load_index(self) -> Any:
-        try:
-            return super()._load_index()
-        except (AttributeError, ImportError):
-            # Left by another version of the package, of argument types that are gone.
-            return {}
-
-
-def source_stamp(function: Callable[..., Any]) -> tuple[str, ...]:
-    """Digests of the files that a function and all compiled functions it calls come from."""
-    todo, files, seen = [function], set(), set()
-    while todo:
-        code, names = todo[-1].__code__, todo.pop().__globals__
-        files.add(code.co_filename)
-        for name in code.co_names:
-            called = names.get(name)
-            if isinstance(called, Dispatcher) and called not in seen:
-                seen.add(called)
-                todo.append(called.py_func)
-    return tuple(_digest(path) for path in sorted(files))
-
-
-@cache
-def _digest(path: str) -> str:
-    return sha256(Path(path).read_bytes()).hexdigest()
+def _linked(function: Function, **options: Any) -> Function:
+    options = OPTIONS | {"no_cpython_wrapper": True} | options
+    return cast(
+        Function, LinkedDispatcher(function, targetoptions=options, pipeline_class=LinkedCompiler)
+    )
 
 
 def compiled_before(function: Callable[..., Any]) -> bool:
@@ -130,6 +59,7 @@ class _CompileTime(event.Listener):
     def __init__(self) -> None:
         self._depth = 0
         self._began = 0.0
+        self._thresholds = gc.get_threshold()
         self.seconds = 0.0
 
     def on_start(self, event: Any) -> None:
@@ -137,6 +67,8 @@ class _CompileTime(event.Listener):
         del event
         if self._depth == 0:
             self._began = time.thread_time()
+            self._thresholds = gc.get_threshold()
+            gc.set_threshold(*COMPILING)
         self._depth += 1
 
     def on_end(self, event: Any) -> None:
@@ -145,6 +77,7 @@ class _CompileTime(event.Listener):
         self._depth -= 1
         if self._depth == 0:
             self.seconds += time.thread_time() - self._began
+            gc.set_threshold(*self._thresholds)
 
 
 _compile_time = _CompileTime()

@@ -21,7 +21,7 @@ from stplan.files.json_file import json_bytes
 from stplan.files.manifest import KEY, manifest
 from stplan.files.recorded import REPORT, RUN_RECORD
 from stplan.files.trajectories import curve_files
-from stplan.geometry.segments import closest_parameters
+from stplan.geometry.rod_distances import segment_distances
 from stplan.improvement.budget import ImprovementBudget
 from stplan.multistart import best_seeds, own_cost
 from stplan.nlp.ipopt.adapter import require_options
@@ -258,7 +258,7 @@ def find_initial_curves(
     progress, stop, clock = progress or _silent, stop or _never, clock or Clock()
     scene, free_space = problem.scene, problem.free_space
     with clock.stage("seed"):
-        if not compiled_before(closest_parameters):
+        if not compiled_before(segment_distances):
             progress("compiling, once after installation: this takes about a quarter of a minute")
         contest = best_seeds(problem, progress=progress)
     found: list[InitialCurves] = []

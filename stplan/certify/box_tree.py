@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.compiled import kernel
+from stplan.compiled import inner
 
 # Segments in one leaf.
 LEAF = 4
@@ -61,7 +61,7 @@ def _curve_order(segments: FloatArray) -> IntArray:
     return code
 
 
-@kernel
+@inner
 def box_distance(
     box: FloatArray, low_x: float, low_y: float, high_x: float, high_y: float
 ) -> float:

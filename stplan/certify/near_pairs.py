@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
-from stplan.compiled import kernel
+from stplan.compiled import inner, kernel
 from stplan.problem.world_lines import WorldLines
 
 # Slabs at most: further ones would cost more than their smaller boxes save.
@@ -116,7 +116,7 @@ def _search(
     return table
 
 
-@kernel
+@inner
 def _box(
     knots: FloatArray, segment: int, begin: float, end: float, half: float, box: FloatArray
 ) -> int:
@@ -147,13 +147,13 @@ def _box(
     return segment
 
 
-@kernel
+@inner
 def _grow(box: FloatArray, x: float, y: float) -> None:
     box[0], box[1] = min(box[0], x), min(box[1], y)
     box[2], box[3] = max(box[2], x), max(box[3], y)
 
 
-@kernel
+@inner
 def _collect(
     agents: IntArray, boxes: FloatArray, wanted: BoolArray, table: IntArray, used: int
 ) -> tuple[IntArray, int]:
@@ -201,7 +201,7 @@ def _collect(
     return table, used
 
 
-@kernel
+@inner
 def _cells(boxes: FloatArray) -> tuple[IntArray, int]:
     """The cells (first x, first y, last x, last y) that every box overlaps, and how many in all."""
     size = 0.0
@@ -219,12 +219,12 @@ def _cells(boxes: FloatArray) -> tuple[IntArray, int]:
         size *= 2.0
 
 
-@kernel
+@inner
 def _bucket(x: int, y: int, buckets: int) -> int:
     return ((x * _SPREAD_X) ^ (y * _SPREAD_Y)) & (buckets - 1)
 
 
-@kernel
+@inner
 def _insert(table: IntArray, used: int, code: int) -> tuple[IntArray, int]:
     """Put `code` into the table unless it is there; the table is kept at most half full."""
     if 2 * used >= len(table):
@@ -240,7 +240,7 @@ def _insert(table: IntArray, used: int, code: int) -> tuple[IntArray, int]:
     return table, used
 
 
-@kernel
+@inner
 def _free(table: IntArray, code: int) -> int:
     """Where `code` is in the table, or where it goes."""
     mask = len(table) - 1

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
-from stplan.compiled import kernel
+from stplan.compiled import inner, kernel
 from stplan.problem.world_lines import WorldLines
 
 
@@ -76,7 +76,7 @@ def _fill(
         )
 
 
-@kernel
+@inner
 def _least_distance(
     first: FloatArray, second: FloatArray, first_leaves: float, second_leaves: float
 ) -> tuple[float, float, float, float]:
@@ -124,7 +124,7 @@ def _least_distance(
         now = until
 
 
-@kernel
+@inner
 def _position(curve: FloatArray, segment: int, time: float) -> tuple[float, float]:
     """Where an agent is at `time` s, on or after knot `segment`; at rest after its last knot."""
     if segment >= len(curve) - 1:

@@ -11,7 +11,7 @@ import shapely
 from stplan.arrays import FloatArray, IntArray
 from stplan.certify.box_tree import LEAF, BoxTree, box_distance
 from stplan.certify.local_frame import LocalFrame
-from stplan.compiled import kernel
+from stplan.compiled import inner, kernel
 from stplan.world import FreeSpace
 
 # Boxes count as further away than what was found only when they are so by more than rounding.
@@ -138,7 +138,7 @@ def _nearest(
         place[a, 0], place[a, 1] = _closest(knots[segment], knots[segment + 1], edges[edge])
 
 
-@kernel
+@inner
 def segment_distance(
     ax: float, ay: float, bx: float, by: float, cx: float, cy: float, dx: float, dy: float
 ) -> float:
@@ -164,7 +164,7 @@ def segment_distance(
     )
 
 
-@kernel
+@inner
 def point_distance(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> float:
     """Distance of a point to the segment from a to b, m."""
     ux, uy = bx - ax, by - ay
@@ -180,7 +180,7 @@ def point_distance(x: float, y: float, ax: float, ay: float, bx: float, by: floa
     return abs(across) * np.sqrt(squared)
 
 
-@kernel
+@inner
 def _closest(a: FloatArray, b: FloatArray, edge: FloatArray) -> tuple[float, float]:
     """The point of the segment from a to b that is nearest to an edge, or where they cross."""
     if segment_distance(a[0], a[1], b[0], b[1], edge[0], edge[1], edge[2], edge[3]) == 0.0:
@@ -207,7 +207,7 @@ def _closest(a: FloatArray, b: FloatArray, edge: FloatArray) -> tuple[float, flo
     return x, y
 
 
-@kernel
+@inner
 def _foot(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> tuple[float, float]:
     """The point of the segment from a to b that is nearest to (x, y)."""
     ux, uy = bx - ax, by - ay

@@ -73,21 +73,63 @@ class Query(NamedTuple):
     runs: IntArray
 
 
+@inner
 def make_cells(low: FloatArray, high: FloatArray, size: float, most: float) -> Cells:
     """Cells from corner `low` to corner `high` (d,), of `size` (m) or as large as `most` cells ask."""
-    extent = high - low
+    origin = np.empty(len(low))
+    shape = np.empty(len(low), np.int64)
     size = max(size, LEAST_SIZE)
-    shape = np.floor(extent / size) + 1.0
-    while shape.prod() > most:
+    while True:
+        total = 1.0
+        for x in range(len(low)):
+            origin[x] = low[x]
+            shape[x] = int((high[x] - low[x]) / size) + 1
+            total *= shape[x]
+        if total <= most:
+            return Cells(origin, size, shape, int(total))
         size *= COARSER
-        shape = np.floor(extent / size) + 1.0
-    origin = np.ascontiguousarray(low, dtype=np.float64)
-    return Cells(origin, float(size), shape.astype(np.int64), int(shape.prod()))
 
 
-def make_grid(cells: Cells, low: FloatArray, high: FloatArray) -> Grid:
-    """The grid of members with bounding boxes `low` to `high`, (n, d) in m; those of points are points."""
-    return Grid(cells, *_fill(cells, low, high))
+@kernel
+def grid_of_boxes(low: FloatArray, high: FloatArray, size: float, most: float) -> Grid:
+    """The grid of boxes `low` to `high` (n, d), n > 0, m; points are boxes of no extent.
+
+    Cells have `size` (m), or are as large as `most` of them ask.
+    """
+    return fill(low, high, size, most)
+
+
+@inner
+def fill(low: FloatArray, high: FloatArray, size: float, most: float) -> Grid:
+    """`grid_of_boxes`, for kernels."""
+    lowest = np.empty(low.shape[1])
+    highest = np.empty(low.shape[1])
+    for x in range(low.shape[1]):
+        lowest[x] = low[0, x]
+        highest[x] = high[0, x]
+        for member in range(1, len(low)):
+            lowest[x] = min(lowest[x], low[member, x])
+            highest[x] = max(highest[x], high[member, x])
+    cells = make_cells(lowest, highest, size, most)
+    query = make_query(cells)
+    # Cell and member.
+    entries = np.empty((2 * len(low), 2), np.int64)
+    count = 0
+    for member in range(len(low)):
+        for x in range(len(query.low)):
+            query.low[x] = low[member, x]
+            query.high[x] = high[member, x]
+        for r in range(cells_of_box(cells, query)):
+            first, past = query.runs[r, 0], query.runs[r, 1]
+            entries = with_room(entries, count + past - first)
+            for cell in range(first, past):
+                entries[count, 0] = cell
+                entries[count, 1] = member
+                count += 1
+    starts, order = counting_sort(entries[:count], cells.total)
+    for k in range(count):
+        order[k] = entries[order[k], 1]
+    return Grid(cells, starts, order)
 
 
 @inlined
@@ -105,7 +147,7 @@ def cell_along(cells: Cells, value: float, axis: int) -> int:
     return int(min(max(place, 0.0), cells.shape[axis] - 1.0))
 
 
-@inner
+@inlined
 def cells_of_box(cells: Cells, query: Query) -> int:
     """Find the runs of cells that touch the box of `query`; returns how many there are."""
     low, high, runs = query
@@ -128,27 +170,3 @@ def cells_of_box(cells: Cells, query: Query) -> int:
         runs[row, 0] = above + first
         runs[row, 1] = above + past
     return count
-
-
-@kernel
-def _fill(cells: Cells, low: FloatArray, high: FloatArray) -> tuple[IntArray, IntArray]:
-    """`starts` and `members` of a `Grid` of boxes (n, d), m."""
-    query = make_query(cells)
-    # Cell and member.
-    entries = np.empty((2 * len(low), 2), np.int64)
-    count = 0
-    for member in range(len(low)):
-        for x in range(len(query.low)):
-            query.low[x] = low[member, x]
-            query.high[x] = high[member, x]
-        for r in range(cells_of_box(cells, query)):
-            first, past = query.runs[r, 0], query.runs[r, 1]
-            entries = with_room(entries, count + past - first)
-            for cell in range(first, past):
-                entries[count, 0] = cell
-                entries[count, 1] = member
-                count += 1
-    starts, order = counting_sort(entries[:count], cells.total)
-    for k in range(count):
-        order[k] = entries[order[k], 1]
-    return starts, order

@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.compiled import inlined, kernel
+from stplan.compiled import inner, kernel
 from stplan.geometry.growable import with_room
-from stplan.geometry.segments import space_time_point, squared_distance
+from stplan.geometry.segments import closest_of_segments
 
 # Segments in a run.
 RUN = 8
@@ -83,17 +83,13 @@ def _near_minimum(
     return found[:count]
 
 
-@inlined
+@inner
 def _distance(positions: FloatArray, segments: IntArray, i: int, j: int) -> float:
     """Distance of segments i and j, m."""
-    squared = squared_distance(
-        space_time_point(positions, segments[i, 0]), space_time_point(positions, segments[i, 1]),
-        space_time_point(positions, segments[j, 0]), space_time_point(positions, segments[j, 1]),
-    )  # fmt: skip
-    return np.sqrt(squared)
+    return np.sqrt(closest_of_segments(positions, segments, i, j)[2])
 
 
-@kernel
+@inner
 def _box_distance(
     positions: FloatArray, segments: IntArray, a0: int, a1: int, b0: int, b1: int
 ) -> float:

@@ -7,7 +7,12 @@ import numpy as np
 from stplan.arrays import FloatArray, IntArray
 from stplan.axes import TIME
 from stplan.compiled import kernel
-from stplan.geometry.segments import space_time_point, squared_distance
+from stplan.geometry.segments import (
+    closest_of_segments,
+    closest_parameters,
+    space_time_point,
+    squared_distance,
+)
 
 
 @kernel
@@ -33,16 +38,29 @@ def rod_distance(first: FloatArray, second: FloatArray, limit: float) -> float:
 
 
 @kernel
+def closest_points(first: FloatArray, second: FloatArray) -> FloatArray:
+    """(2, 3) closest points of two rods (n, 3), (m, 3) in (x, y, c t), one of each; m."""
+    result = np.empty((2, 3))
+    least = np.inf
+    for i in range(len(first) - 1):
+        for j in range(len(second) - 1):
+            s, t, squared = closest_parameters(
+                space_time_point(first, i), space_time_point(first, i + 1),
+                space_time_point(second, j), space_time_point(second, j + 1),
+            )  # fmt: skip
+            if squared < least:
+                least = squared
+                for x in range(3):
+                    result[0, x] = first[i, x] + s * (first[i + 1, x] - first[i, x])
+                    result[1, x] = second[j, x] + t * (second[j + 1, x] - second[j, x])
+    return result
+
+
+@kernel
 def segment_distances(positions: FloatArray, segments: IntArray, pairs: IntArray) -> FloatArray:
     """(N,) distances of the pairs (N, 2) of segments (S, 2) between positions (P, 3); m."""
     result = np.empty(len(pairs))
     for k in range(len(pairs)):
-        i, j = pairs[k, 0], pairs[k, 1]
-        gap = squared_distance(
-            space_time_point(positions, segments[i, 0]),
-            space_time_point(positions, segments[i, 1]),
-            space_time_point(positions, segments[j, 0]),
-            space_time_point(positions, segments[j, 1]),
-        )
+        gap = closest_of_segments(positions, segments, pairs[k, 0], pairs[k, 1])[2]
         result[k] = np.sqrt(gap)
     return result

@@ -9,8 +9,8 @@ Points are tuples of floats: their length is the dimension, known to the compile
 
 from __future__ import annotations
 
-from stplan.arrays import FloatArray
-from stplan.compiled import inlined, kernel
+from stplan.arrays import FloatArray, IntArray
+from stplan.compiled import inlined, inner
 
 # A point in metres: (x, y) in the plane, (x, y, c t) in space-time.
 Point = tuple[float, ...]
@@ -40,7 +40,7 @@ def plane_point(points: FloatArray, index: int) -> Point:
     return points[index, 0], points[index, 1]
 
 
-@kernel
+@inner
 def closest_parameters(p0: Point, p1: Point, q0: Point, q1: Point) -> tuple[float, float, float]:
     """Parameters (s, t) in [0, 1]^2 of the closest points, and the squared distance in m^2."""
     a = 0.0
@@ -91,3 +91,16 @@ def closest_parameters(p0: Point, p1: Point, q0: Point, q1: Point) -> tuple[floa
 def squared_distance(p0: Point, p1: Point, q0: Point, q1: Point) -> float:
     """Squared distance of two segments in m^2."""
     return closest_parameters(p0, p1, q0, q1)[2]
+
+
+@inlined
+def closest_of_segments(
+    positions: FloatArray, segments: IntArray, i: int, j: int
+) -> tuple[float, float, float]:
+    """`closest_parameters` of segments i and j of `segments` (S, 2) between `positions` (P, 3)."""
+    return closest_parameters(
+        space_time_point(positions, segments[i, 0]),
+        space_time_point(positions, segments[i, 1]),
+        space_time_point(positions, segments[j, 0]),
+        space_time_point(positions, segments[j, 1]),
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.compiled import inlined, kernel
+from stplan.compiled import inlined, inner, kernel
 from stplan.geometry.boundary_grid import BoundaryGrid
 from stplan.geometry.grid import Query, cells_of_box, make_query
 from stplan.geometry.segments import Point, plane_point, squared_distance
@@ -55,16 +55,18 @@ def least_wall_distances(
     return result
 
 
-@kernel
+@inner
 def clear_of_walls(
-    p: FloatArray, q: FloatArray, gap: float, walls: BoundaryGrid, query: Query
+    p: FloatArray, q: FloatArray, gap: float, walls: BoundaryGrid | None, query: Query | None
 ) -> bool:
     """Whether the segment p q, in the plane, is further than `gap` (m) from the walls.
 
     A long segment is cut into pieces no longer than a cell, so that only cells along it are asked.
-    `query` is working memory.
+    `query` is working memory; both are None in the open plane.
     """
-    if gap <= 0.0 or len(walls.edges) == 0:
+    if walls is None or query is None:
+        return True
+    if gap <= 0.0:
         return True
     grid = walls.grid
     extent = max(abs(q[0] - p[0]), abs(q[1] - p[1]))

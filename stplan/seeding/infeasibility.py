@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.geometry.rod_distances import rod_distance
-from stplan.geometry.segments import closest_parameters
+from stplan.axes import PLACE, TIME
+from stplan.geometry.rod_distances import closest_points, rod_distance
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.reasons import Kind, Reason
 
@@ -174,15 +173,7 @@ def _closest(
     first: FloatArray, second: FloatArray
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """Plane point between the closest points of two rods, and their two heights in order; m."""
-    least = np.inf
-    place, heights = (0.0, 0.0), (0.0, 0.0)
-    for p, q in pairwise(first):
-        for u, v in pairwise(second):
-            s, t, squared = closest_parameters(tuple(p), tuple(q), tuple(u), tuple(v))
-            if squared < least:
-                least = squared
-                near, far = p + s * (q - p), u + t * (v - u)
-                middle = (near + far) / 2
-                place = (float(middle[0]), float(middle[1]))
-                heights = (float(min(near[2], far[2])), float(max(near[2], far[2])))
-    return place, heights
+    near, far = closest_points(first, second)
+    middle = (near[PLACE] + far[PLACE]) / 2
+    low, high = sorted([float(near[TIME]), float(far[TIME])])
+    return (float(middle[0]), float(middle[1])), (low, high)

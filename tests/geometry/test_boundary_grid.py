@@ -36,7 +36,11 @@ def test_a_reach_over_everything_finds_every_edge() -> None:
     assert near.tolist() == [[0, 0], [0, 1], [0, 2]]
 
 
-def test_no_walls_are_near_nobody() -> None:
-    walls = BoundaryGrid.from_segments(np.empty((0, 4)))
-    point = np.zeros((1, 2))
-    assert walls.near(point, point, np.array([1e3])).shape == (0, 2)
+def test_only_the_place_of_points_in_space_time_counts() -> None:
+    rng = np.random.default_rng(3)
+    edges = rng.uniform(0, 10, (30, 4))
+    ends = rng.uniform(0, 10, (2, 20, 3))
+    walls = BoundaryGrid.from_segments(edges)
+    reach = np.full(20, 0.7)
+    flat = walls.near(ends[0, :, :2], ends[1, :, :2], reach)
+    assert np.array_equal(walls.near(ends[0], ends[1], reach), flat)

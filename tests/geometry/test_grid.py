@@ -7,19 +7,32 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stplan.arrays import FloatArray
-from stplan.geometry.grid import Grid, cells_of_box, make_cells, make_grid, make_query
+from stplan.arrays import FloatArray, IntArray
+from stplan.compiled import kernel
+from stplan.geometry.grid import Grid, cells_of_box, grid_of_boxes, make_cells, make_query
+from stplan.geometry.growable import with_room
+
+
+@kernel
+def _members_near(grid: Grid, low: FloatArray, high: FloatArray) -> IntArray:
+    query = make_query(grid.cells)
+    for x in range(len(low)):
+        query.low[x] = low[x]
+        query.high[x] = high[x]
+    found = np.empty((1, 1), np.int64)
+    count = 0
+    for r in range(cells_of_box(grid.cells, query)):
+        begin, past = grid.starts[query.runs[r, 0]], grid.starts[query.runs[r, 1]]
+        found = with_room(found, count + past - begin)
+        for k in range(begin, past):
+            found[count, 0] = grid.members[k]
+            count += 1
+    return found[:count, 0].copy()
 
 
 def members_near(grid: Grid, low: FloatArray, high: FloatArray) -> list[int]:
     """What the cells that touch a box hold, as often as they do."""
-    query = make_query(grid.cells)
-    query.low[:], query.high[:] = low, high
-    found = []
-    for r in range(cells_of_box(grid.cells, query)):
-        begin, past = grid.starts[query.runs[r, 0]], grid.starts[query.runs[r, 1]]
-        found += grid.members[begin:past].tolist()
-    return found
+    return _members_near(grid, low, high).tolist()
 
 
 def touching(low: FloatArray, high: FloatArray, box: FloatArray) -> set[int]:
@@ -33,7 +46,7 @@ def test_no_member_that_a_box_touches_is_missed(dimension: int, size: float) -> 
     rng = np.random.default_rng(dimension)
     low = rng.uniform(-4, 4, (60, dimension))
     high = low + rng.uniform(0, 1.5, low.shape) * rng.integers(0, 2, (60, 1))
-    grid = make_grid(make_cells(low.min(axis=0), high.max(axis=0), size, 5000), low, high)
+    grid = grid_of_boxes(low, high, size, 5000.0)
     assert grid.cells.total == grid.cells.shape.prod() <= 5000
     for _ in range(40):
         corners = np.sort(rng.uniform(-6, 6, (2, dimension)), axis=0)
@@ -51,7 +64,7 @@ def test_points_on_the_lines_between_cells_are_found_once(
     points: list[tuple[int, int]], box: tuple[int, int, int, int], size: float
 ) -> None:
     places = np.array(points, dtype=np.float64)
-    grid = make_grid(make_cells(places.min(axis=0), places.max(axis=0), size, 1e4), places, places)
+    grid = grid_of_boxes(places, places, size, 1e4)
     low = np.array(box[:2], dtype=np.float64)
     corners = np.stack([low, low + box[2:]])
     found = members_near(grid, *corners)
@@ -63,7 +76,7 @@ def test_members_of_a_cell_rise_and_every_member_is_in_some_cell() -> None:
     rng = np.random.default_rng(3)
     low = rng.uniform(0, 5, (80, 2))
     high = low + 1.0
-    grid = make_grid(make_cells(low.min(axis=0), high.max(axis=0), 0.8, 1000), low, high)
+    grid = grid_of_boxes(low, high, 0.8, 1000.0)
     cells = np.split(grid.members, grid.starts[1:-1])
     assert len(cells) == grid.cells.total
     assert all((np.diff(cell) > 0).all() for cell in cells)
@@ -72,7 +85,7 @@ def test_members_of_a_cell_rise_and_every_member_is_in_some_cell() -> None:
 
 def test_a_box_far_outside_asks_the_outermost_cells() -> None:
     places = np.array([[0.0, 0.0], [1.0, 1.0]])
-    grid = make_grid(make_cells(places[0], places[1], 0.5, 100), places, places)
+    grid = grid_of_boxes(places, places, 0.5, 100.0)
     assert members_near(grid, np.full(2, -np.inf), np.full(2, np.inf)) == [0, 1]
     assert members_near(grid, np.full(2, 7.0), np.full(2, 9.0)) == [1]
 

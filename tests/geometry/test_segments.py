@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from stplan.arrays import FloatArray
-from stplan.geometry.segments import closest_parameters, squared_distance
-from tests.geometry.points import apart_squared, as_points
+from tests.geometry.points import apart_squared, as_points, closest
 
 
 def brute_squared_distance(p0: FloatArray, p1: FloatArray, q0: FloatArray, q1: FloatArray) -> float:
@@ -32,7 +31,7 @@ def test_the_distance_equals_a_minimiser(dimension: int) -> None:
     rng = np.random.default_rng(0)
     for _ in range(150):
         ends = rng.normal(size=(4, dimension))
-        s, t, squared = closest_parameters(*as_points(*ends))
+        s, t, squared = closest(*as_points(*ends))
         assert 0 <= s <= 1
         assert 0 <= t <= 1
         assert squared == pytest.approx(brute_squared_distance(*ends), abs=1e-7)
@@ -41,13 +40,10 @@ def test_the_distance_equals_a_minimiser(dimension: int) -> None:
 
 
 def test_points_and_parallels() -> None:
-    assert (
-        squared_distance((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (3.0, 4.0, 0.0), (3.0, 4.0, 0.0)) == 25
-    )
-    assert squared_distance((1.0, 2.0, 0.0), (1.0, 2.0, 0.0), (0.0, 0.0, 0.0), (4.0, 0.0, 0.0)) == 4
-    s, t, squared = closest_parameters(
-        (0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (1.0, 1.0, 0.0), (7.0, 1.0, 0.0)
-    )
+    origin, far = (0.0, 0.0, 0.0), (3.0, 4.0, 0.0)
+    assert closest(origin, origin, far, far)[2] == 25
+    assert closest((1.0, 2.0, 0.0), (1.0, 2.0, 0.0), origin, (4.0, 0.0, 0.0))[2] == 4
+    s, t, squared = closest(origin, (4.0, 0.0, 0.0), (1.0, 1.0, 0.0), (7.0, 1.0, 0.0))
     assert squared == 1
     assert s == pytest.approx(0.625)  # the middle of the overlap [1, 4]
     assert t == pytest.approx(0.25)

@@ -15,7 +15,7 @@ from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import held_requirement, requirement
 from stplan.problem.verification import verify
 from stplan.scene.model import PairRule, Weights
-from stplan.seeding.elastic_bands.band_neighbours import near_rows
+from stplan.seeding.elastic_bands.band_neighbours import Bodies, near_rows
 from stplan.seeding.shortcutting.rod_field import build_field, segment_clear
 from stplan.world import FreeSpace
 from tests.geometry.points import apart_squared
@@ -105,7 +105,7 @@ def test_near_rows_hold_every_near_segment() -> None:
     reach = (reach + reach.T) / 2
     movable = agents != 3
     for cell in (0.1, 1.0, 30.0):
-        near = near_rows(points, segments, agents, movable, collides, reach, cell)
+        near = near_rows(Bodies(points, segments, agents, movable), collides, reach, cell)
         for i in range(40):
             a = agents[i]
             expected = {

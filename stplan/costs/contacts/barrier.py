@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from stplan.compiled import kernel
+from stplan.compiled import inner
 
 
-@kernel
+@inner
 def barrier(clearance: float, reach: float) -> tuple[float, float, float]:
     """b, b' (1/m) and b'' (1/m^2) at `clearance` z > 0 in m; `reach` h in m, inf for -log z."""
     if np.isinf(reach):

@@ -7,10 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
-from stplan.compiled import kernel
-from stplan.geometry.grid import Grid, cells_of_box, make_cells, make_grid, make_query
+from stplan.compiled import inlined, kernel
+from stplan.geometry.boundary_grid import BoundaryGrid
+from stplan.geometry.grid import cells_of_box, fill, make_query
 from stplan.geometry.growable import with_room
-from stplan.geometry.segments import space_time_point, squared_distance
+from stplan.geometry.segments import closest_of_segments
 from stplan.geometry.sorting import counting_sort
 
 # Cells of the grid for every segment, at most; larger cells are used where this would not do.
@@ -29,61 +30,52 @@ class Neighbours(NamedTuple):
     members: IntArray
 
 
-class Boxes(NamedTuple):
-    """Segments with their bounding boxes.
+class Bodies(NamedTuple):
+    """Segments that may be near each other.
 
     Attributes:
         positions: (P, 3) points in (x, y, c t), m.
         segments: (S, 2) indices of end points.
         agents: (S,) owner of every segment.
         asking: (S,) segments that ask; the others are only asked about.
-        low, high: (S, 3) corners, m.
     """
 
     positions: FloatArray
     segments: IntArray
     agents: IntArray
     asking: BoolArray
-    low: FloatArray
-    high: FloatArray
 
 
-def near_rows(
-    positions: FloatArray,
-    segments: IntArray,
-    agents: IntArray,
-    asking: BoolArray,
-    collides: BoolArray,
-    reach: FloatArray,
-    cell: float,
-) -> Neighbours:
+def near_rows(bodies: Bodies, collides: BoolArray, reach: FloatArray, cell: float) -> Neighbours:
     """Segments nearer than their pair's reach, for every segment that asks.
 
     The work grows linearly with the number of segments at constant density.
 
     Args:
-        positions: (P, 3) points in (x, y, c t), m.
-        segments: (S, 2) indices of end points.
-        agents: (S,) owner of every segment.
-        asking: (S,) segments that ask; the others are only asked about.
         collides: (A, A) which pairs count.
         reach: (A, A) in m.
         cell: wanted side of a cell (m).
     """
-    heads, tails = positions[segments[:, 0]], positions[segments[:, 1]]
-    low, high = np.minimum(heads, tails), np.maximum(heads, tails)
-    most = CELLS_PER_SEGMENT * len(segments) + 64
-    grid = make_grid(make_cells(low.min(axis=0), high.max(axis=0), cell, most), low, high)
-    boxes = Boxes(positions, segments, agents, asking, low, high)
-    return Neighbours(*_near_rows(boxes, grid, collides, reach))
+    return Neighbours(*_near_rows(bodies, collides, reach, cell))
+
+
+def near_edges(
+    walls: BoundaryGrid, heads: FloatArray, tails: FloatArray, reach: FloatArray
+) -> Neighbours:
+    """Boundary edges within `reach` (S,) m of segments between `heads` and `tails` (S, 3)."""
+    near = walls.near(heads, tails, reach)
+    rows = np.searchsorted(near[:, 0], np.arange(len(heads) + 1)).astype(np.int64)
+    return Neighbours(rows, np.ascontiguousarray(near[:, 1]))
 
 
 @kernel
 def _near_rows(
-    boxes: Boxes, grid: Grid, collides: BoolArray, reach: FloatArray
+    bodies: Bodies, collides: BoolArray, reach: FloatArray, cell: float
 ) -> tuple[IntArray, IntArray]:
     """Rows and members of the near segments."""
-    positions, segments, agents, asking, low, high = boxes
+    positions, segments, agents, asking = bodies
+    low, high = _boxes(positions, segments)
+    grid = fill(low, high, cell, CELLS_PER_SEGMENT * len(segments) + 64.0)
     widest = np.empty(len(reach))
     for a in range(len(reach)):
         widest[a] = 0.0
@@ -101,8 +93,6 @@ def _near_rows(
         a = agents[i]
         if not asking[i] or widest[a] == 0.0:
             continue
-        p = space_time_point(positions, segments[i, 0])
-        q = space_time_point(positions, segments[i, 1])
         for x in range(3):
             query.low[x] = low[i, x] - widest[a]
             query.high[x] = high[i, x] + widest[a]
@@ -126,9 +116,7 @@ def _near_rows(
                     or high[j, 2] < low[i, 2] - limit
                 ):
                     continue
-                u = space_time_point(positions, segments[j, 0])
-                v = space_time_point(positions, segments[j, 1])
-                if squared_distance(p, q, u, v) < limit * limit:
+                if closest_of_segments(positions, segments, i, j)[2] < limit * limit:
                     near[count, 0] = i
                     near[count, 1] = j
                     count += 1
@@ -142,32 +130,40 @@ def _near_rows(
     return rows, members
 
 
+@inlined
+def _boxes(positions: FloatArray, segments: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Bounding boxes (S, 3), (S, 3) of the segments."""
+    low = np.empty((len(segments), 3))
+    high = np.empty((len(segments), 3))
+    for i in range(len(segments)):
+        u, v = segments[i, 0], segments[i, 1]
+        for x in range(3):
+            low[i, x] = min(positions[u, x], positions[v, x])
+            high[i, x] = max(positions[u, x], positions[v, x])
+    return low, high
+
+
 @kernel
 def tight_pairs(
     positions: FloatArray,
     segments: IntArray,
     agents: IntArray,
-    near: Neighbours,
+    rows: IntArray,
+    members: IntArray,
     required: FloatArray,
 ) -> IntArray:
     """(N, 2) pairs of agents with segments no further apart than required, repeated as they come.
 
-    A pair of agents that both ask appears in both orders.
+    `rows` and `members` are those of `Neighbours`. A pair of agents that both ask appears in both orders.
     """
     found = np.empty((64, 2), np.int64)
     count = 0
     for i in range(len(segments)):
-        found = with_room(found, count + near.rows[i + 1] - near.rows[i])
-        for k in range(near.rows[i], near.rows[i + 1]):
-            j = near.members[k]
+        found = with_room(found, count + rows[i + 1] - rows[i])
+        for k in range(rows[i], rows[i + 1]):
+            j = members[k]
             limit = required[agents[i], agents[j]]
-            gap = squared_distance(
-                space_time_point(positions, segments[i, 0]),
-                space_time_point(positions, segments[i, 1]),
-                space_time_point(positions, segments[j, 0]),
-                space_time_point(positions, segments[j, 1]),
-            )
-            if gap <= limit * limit:
+            if closest_of_segments(positions, segments, i, j)[2] <= limit * limit:
                 found[count, 0] = agents[i]
                 found[count, 1] = agents[j]
                 count += 1

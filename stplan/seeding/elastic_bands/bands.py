@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.axes import PLACE, TIME, in_metres, in_seconds
 from stplan.problem.clearance import crosses_boundary
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.verification import PLACE_TOLERANCE
@@ -21,7 +22,7 @@ from stplan.seeding.shortcutting.resampling import resample_curve
 
 
 class Bands(NamedTuple):
-    """Layout and positions of A agents' bands; only `positions` changes.
+    """A agents' bands; only `positions` and `rest_rises` change.
 
     Attributes:
         positions: (P, 3) knots of the curves agent by agent, then the ends of the tails.
@@ -31,6 +32,9 @@ class Bands(NamedTuple):
         agents: (S,) owner of every segment.
         first_segment: (A,) where a moving agent's segments begin.
         num_moving: how many segments move.
+        radii: (A,) in m.
+        ceilings: (A,) latest c t of a band's end, m.
+        rest_rises: (A,) rise in c t that tension leaves a segment where the end may slide, m.
     """
 
     positions: FloatArray
@@ -41,11 +45,13 @@ class Bands(NamedTuple):
     agents: IntArray
     first_segment: IntArray
     num_moving: int
+    radii: FloatArray
+    ceilings: FloatArray
+    rest_rises: FloatArray
 
     @staticmethod
     def build(problem: PlanningProblem, curves: Sequence[FloatArray]) -> Bands:
         """Bands along `curves`, one an agent; prescribed paths as they are."""
-        scale = np.array([1.0, 1.0, problem.time_scale])
         fixed = problem.prescribed
         count = np.array([len(curve) for curve in curves], dtype=np.int64)
         first = np.cumsum(count) - count
@@ -57,10 +63,12 @@ class Bands(NamedTuple):
         heads = [first[a] + np.arange(count[a] - 1) for a in agents]
         head = np.concatenate([*heads, first[tails] + count[tails] - 1])
         tail = np.concatenate([*(own + 1 for own in heads), count.sum() + np.arange(len(tails))])
+        rises = problem.time_scale * (problem.preferred_times - problem.start_times)
         first_segment = np.zeros(len(curves), dtype=np.int64)
         first_segment[agents] = np.cumsum(count[agents] - 1) - (count[agents] - 1)
+        knots = [in_metres(curve, problem.time_scale) for curve in curves]
         return Bands(
-            positions=np.ascontiguousarray(np.vstack([curve * scale for curve in curves] + [ends])),
+            positions=np.ascontiguousarray(np.vstack([*knots, ends])),
             hold=np.concatenate(
                 [_hold(problem, a, curve) for a, curve in enumerate(curves)]
                 + [np.full(len(tails), FIXED)]
@@ -71,6 +79,9 @@ class Bands(NamedTuple):
             agents=np.concatenate([np.repeat(agents, count[agents] - 1), tails]).astype(np.int64),
             first_segment=first_segment,
             num_moving=int((count[~fixed] - 1).sum()),
+            radii=problem.radii,
+            ceilings=problem.time_scale * problem.max_times,
+            rest_rises=np.where(may_slide(problem), rises / (count - 1), 0.0),
         )
 
     def knots(self, agent: int) -> FloatArray:
@@ -85,10 +96,10 @@ class Bands(NamedTuple):
             if path is not None:
                 result.append(path.copy())
                 continue
-            curve = self.knots(agent) / [1.0, 1.0, problem.time_scale]
+            curve = in_seconds(self.knots(agent), problem.time_scale)
             last = self.first_knot[agent] + self.num_knots[agent] - 1
             curve[0] = [*problem.starts[agent], problem.start_times[agent]]
-            arrival = min(curve[-1, 2], problem.max_times[agent])
+            arrival = min(curve[-1, TIME], problem.max_times[agent])
             if self.hold[last] == FIXED:
                 arrival = problem.preferred_times[agent]
             curve[-1] = [*problem.goals[agent], arrival]
@@ -117,7 +128,7 @@ def waypoint_knots(waypoints: FloatArray, curve: FloatArray) -> IntArray:
     found = []
     after = 0
     for point in waypoints:
-        hits = np.flatnonzero(np.abs(curve[after:, :2] - point).max(axis=1) <= PLACE_TOLERANCE)
+        hits = np.flatnonzero(np.abs(curve[after:, PLACE] - point).max(axis=1) <= PLACE_TOLERANCE)
         if len(hits):
             after += int(hits[0])
             found.append(after)
@@ -139,7 +150,7 @@ def straight_curves(problem: PlanningProblem) -> list[FloatArray]:
         part = np.concatenate([[0.0], np.cumsum(length)]) / length.sum()
         begin, end = problem.start_times[agent], problem.preferred_times[agent]
         curves.append(np.column_stack([places, begin + part * (end - begin)]))
-        curves[-1][-1, 2] = end
+        curves[-1][-1, TIME] = end
     return curves
 
 
@@ -168,10 +179,11 @@ def initial_curves(
 
 def _until(curve: FloatArray, arrival: float) -> FloatArray:
     """`curve` stretched in time so that it ends at `arrival`."""
-    begin = curve[0, 2]
+    times = curve[:, TIME]
+    begin = times[0]
     result = curve.copy()
-    result[:, 2] = begin + (curve[:, 2] - begin) * ((arrival - begin) / (curve[-1, 2] - begin))
-    result[-1, 2] = arrival
+    result[:, TIME] = begin + (times - begin) * ((arrival - begin) / (times[-1] - begin))
+    result[-1, TIME] = arrival
     return result
 
 
@@ -185,10 +197,10 @@ def _bent(problem: PlanningProblem, agent: int, curve: FloatArray, bow: FloatArr
         leg = curve[head : tail + 1]
         if tail - head < 2:
             continue
-        duration = leg[-1, 2] - leg[0, 2]
-        wave = np.sin(np.pi * (leg[:, 2] - leg[0, 2]) / duration)
+        duration = leg[-1, TIME] - leg[0, TIME]
+        wave = np.sin(np.pi * (leg[:, TIME] - leg[0, TIME]) / duration)
         wave[-1] = 0.0
-        chord = leg[-1, :2] - leg[0, :2]
+        chord = leg[-1, PLACE] - leg[0, PLACE]
         length = float(np.hypot(*chord))
         if length > 1e-9:
             normal = np.array([-chord[1], chord[0]]) / length
@@ -198,9 +210,9 @@ def _bent(problem: PlanningProblem, agent: int, curve: FloatArray, bow: FloatArr
         shift = np.clip(radius * bow[1] / problem.time_scale, -most, most)
         later[head : tail + 1] = shift * wave
     result = curve.copy()
-    result[:, 2] += later
+    result[:, TIME] += later
     bent = result.copy()
-    bent[:, :2] += sideways
+    bent[:, PLACE] += sideways
     if crosses_boundary(problem, agent, bent) and not crosses_boundary(problem, agent, result):
         return result
     return bent

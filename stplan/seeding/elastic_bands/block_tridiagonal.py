@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.compiled import inlined, inner
+from stplan.compiled import inlined
 
 # Knots: free, pinned in the plane but free in time, fixed.
 FREE, PINNED, FIXED = 0, 1, 2
@@ -51,7 +51,7 @@ def clear(chain: Chain, num_knots: int) -> None:
                 chain.upper[i, x, y] = 0.0
 
 
-@inner
+@inlined
 def hold_knots(hold: IntArray, chain: Chain) -> None:
     """Take the coordinates that may not move out of the system of a chain of knots `hold` (n,)."""
     diagonal, upper, force = chain.diagonal, chain.upper, chain.force
@@ -68,7 +68,7 @@ def hold_knots(hold: IntArray, chain: Chain) -> None:
             diagonal[i, x, x] = 1.0
 
 
-@inner
+@inlined
 def solve(chain: Chain, num_knots: int) -> None:
     """Solve the system of the first `num_knots` knots in place; `force` becomes the solution."""
     diagonal, upper, force, inverse = chain

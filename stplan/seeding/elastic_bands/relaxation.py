@@ -18,11 +18,10 @@ from stplan.problem.clearance import wall_clearance
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement
 from stplan.problem.verification import verify
-from stplan.seeding.elastic_bands.band_neighbours import Neighbours, near_rows, tight_pairs
-from stplan.seeding.elastic_bands.bands import Bands, initial_curves, may_slide
+from stplan.seeding.elastic_bands.band_neighbours import Bodies, near_edges, near_rows, tight_pairs
+from stplan.seeding.elastic_bands.bands import Bands, initial_curves
 from stplan.seeding.elastic_bands.sweeps import (
     Contacts,
-    Pull,
     WallContacts,
     band_crosses,
     sweep_bands,
@@ -139,11 +138,9 @@ class _Relaxation:
         self.pace = np.ones(problem.num_agents)
         self.sweeps = self.retensions = self.progress_at = 0
         self.fewest = np.inf
-        self.ceilings = problem.time_scale * problem.max_times
-        rises = problem.time_scale * (problem.preferred_times - problem.start_times)
-        self.rest_rises = np.where(may_slide(problem), rises / (self.bands.num_knots - 1), 0.0)
+        self.guarded = np.zeros(problem.num_agents, dtype=bool)
         self._list_neighbours()
-        self.guarded = self._clear_of_walls()
+        self.guarded[:] = self._clear_of_walls()
         self.tension = float(np.clip(TENSION_CROWDED * self._crowding(), TENSION, MOST_TENSION))
 
     def verified(self) -> bool:
@@ -155,14 +152,8 @@ class _Relaxation:
         grown = min(1.0, (self.sweeps + 1) / GROWING_SWEEPS)
         decayed = self.tension * DECAY ** np.maximum(self.age - HELD_SWEEPS, 0.0)
         moved = sweep_bands(
-            self.rng.permutation(self.movable), self.bands, self.reference,
-            Pull(
-                np.maximum(decayed, LEAST_TENSION), self.rest_rises, self.ceilings,
-                self.problem.radii,
-            ),
-            Contacts(self.near, grown * self.rod_target, self.share),
-            WallContacts(self.near_walls, self.edges, self.wall_target, self.guarded),
-            self.sweeps > IDLE_SWEEPS,
+            self.rng.permutation(self.movable), self.bands, self.contacts, self.wall_contacts,
+            np.maximum(decayed, LEAST_TENSION), grown, self.sweeps > IDLE_SWEEPS,
         )  # fmt: skip
         if grown == 1.0:
             self.age += self.pace
@@ -191,7 +182,8 @@ class _Relaxation:
         """Pairs of agents a < b that are not clear, sorted."""
         bands = self.bands
         found = tight_pairs(
-            bands.positions, bands.segments, bands.agents, self.near, self.required.rods
+            bands.positions, bands.segments, bands.agents, self.contacts.rows,
+            self.contacts.members, self.required.rods,
         )  # fmt: skip
         count = self.problem.num_agents
         codes = np.unique(found.min(axis=1) * count + found.max(axis=1))
@@ -229,11 +221,11 @@ class _Relaxation:
         if not late or not problem.stays[agent] or problem.prescribed[agent]:
             return
         knots = bands.knots(agent)
-        rise = self.ceilings[agent] - knots[0, 2]
+        rise = bands.ceilings[agent] - knots[0, 2]
         knots[:, 2] = knots[0, 2] + (knots[:, 2] - knots[0, 2]) * (
             rise / (knots[-1, 2] - knots[0, 2])
         )
-        self.rest_rises[agent] = rise / (len(knots) - 1)
+        bands.rest_rises[agent] = rise / (len(knots) - 1)
 
     def _knock(self, agent: int) -> None:
         """Push a part of a band (as it is, or as it was at first) aside by a radius or so."""
@@ -257,46 +249,35 @@ class _Relaxation:
 
     def _crosses(self, knots: FloatArray) -> bool:
         """Whether a band would cross any wall."""
-        if self.problem.boundary is None:
+        boundary = self.problem.boundary
+        if boundary is None:
             return False
-        near = self._wall_rows(knots[:-1, :2], knots[1:, :2], np.zeros(len(knots) - 1))
-        return band_crosses(knots, 0, near, self.edges)
+        near = near_edges(boundary, knots[:-1], knots[1:], np.zeros(len(knots) - 1))
+        return band_crosses(knots, near, boundary.edges)
 
     def _list_neighbours(self) -> None:
         """List segments and boundary edges that may come within their targets."""
         bands, problem = self.bands, self.problem
-        self.reference = bands.positions.copy()
         self.listed_at = self.sweeps
         heads = bands.positions[bands.segments[:, 0]]
         tails = bands.positions[bands.segments[:, 1]]
-        moving = np.arange(len(bands.segments)) < bands.num_moving
         # Tails are listed too: they push nothing, but may stand in the way of a given path.
         asking = ~problem.prescribed[bands.agents]
         reach = self.rod_target + self.skin
         extent = np.abs(tails - heads).max(axis=1)
         cell = max(float(np.median(extent)), float(np.median(reach)))
-        self.near = near_rows(
-            bands.positions, bands.segments, bands.agents, asking, problem.collides,
-            reach, cell,
-        )  # fmt: skip
-        if problem.boundary is None:
-            self.edges = np.zeros((0, 4))
-            self.near_walls = self._wall_rows(heads, tails, np.zeros(len(heads)))
-        else:
-            self.edges = problem.boundary.edges
+        bodies = Bodies(bands.positions, bands.segments, bands.agents, asking)
+        near = near_rows(bodies, problem.collides, reach, cell)
+        self.contacts = Contacts(*near, self.rod_target, self.share, bands.positions.copy())
+        self.wall_contacts = None
+        if problem.boundary is not None:
+            moving = np.arange(len(bands.segments)) < bands.num_moving
             room = self.wall_target + np.maximum(self.skin, problem.radii)
-            self.near_walls = self._wall_rows(
-                heads[:, :2], tails[:, :2], np.where(moving, room[bands.agents], 0.0)
+            reach = np.where(moving, room[bands.agents], 0.0)
+            near = near_edges(problem.boundary, heads, tails, reach)
+            self.wall_contacts = WallContacts(
+                *near, problem.boundary.edges, self.wall_target, self.guarded
             )
-
-    def _wall_rows(self, heads: FloatArray, tails: FloatArray, reach: FloatArray) -> Neighbours:
-        """Boundary edges near every segment, as compressed rows."""
-        if self.problem.boundary is None:
-            nobody = np.zeros(len(heads) + 1, dtype=np.int64)
-            return Neighbours(nobody, np.zeros(0, dtype=np.int64))
-        near = self.problem.boundary.near(heads, tails, reach)
-        rows = np.searchsorted(near[:, 0], np.arange(len(heads) + 1)).astype(np.int64)
-        return Neighbours(rows, np.ascontiguousarray(near[:, 1]))
 
     def _clear_of_walls(self) -> BoolArray:
         """(A,) agents whose band crosses no wall at first: they are kept from doing so."""

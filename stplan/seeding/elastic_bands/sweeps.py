@@ -17,9 +17,9 @@ import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.axes import TIME
-from stplan.compiled import inlined, inner, kernel
+from stplan.compiled import inlined, kernel
 from stplan.geometry.crossings import segments_cross
-from stplan.geometry.segments import Point, closest_parameters, plane_point, space_time_point
+from stplan.geometry.segments import Point, closest_of_segments, plane_point, space_time_point
 from stplan.seeding.elastic_bands.band_neighbours import Neighbours
 from stplan.seeding.elastic_bands.bands import Bands
 from stplan.seeding.elastic_bands.block_tridiagonal import (
@@ -41,48 +41,36 @@ LEAST_DURATION = 0.2
 TOUCHING = 1e-9
 
 
-class Pull(NamedTuple):
-    """What every agent's band obeys on its own.
-
-    Attributes:
-        tension: (A,) w.
-        rest_rises: (A,) rise in c t that tension leaves a segment where the end may slide, m.
-        ceilings: (A,) latest c t of a band's end, m.
-        radii: (A,) in m.
-    """
-
-    tension: FloatArray
-    rest_rises: FloatArray
-    ceilings: FloatArray
-    radii: FloatArray
-
-
 class Contacts(NamedTuple):
     """Springs between bands.
 
     Attributes:
-        near: segments near every segment.
+        rows, members: segments near every segment (see `Neighbours`).
         target: (A, A) distance that springs aim at, m.
         share: (A, A) how much of a spring the first agent answers for; all of it where the other
             segment does not move.
+        reference: (P, 3) positions where the neighbours were listed, m.
     """
 
-    near: Neighbours
+    rows: IntArray
+    members: IntArray
     target: FloatArray
     share: FloatArray
+    reference: FloatArray
 
 
 class WallContacts(NamedTuple):
     """Springs between bands and walls.
 
     Attributes:
-        near: boundary edges near every segment.
+        rows, members: boundary edges near every segment (see `Neighbours`).
         edges: (E, 4) as x0, y0, x1, y1, m.
         target: (A,) distance aimed at, m; 0 where an agent ignores walls.
         guarded: (A,) refuse steps through walls.
     """
 
-    near: Neighbours
+    rows: IntArray
+    members: IntArray
     edges: FloatArray
     target: FloatArray
     guarded: BoolArray
@@ -92,16 +80,18 @@ class WallContacts(NamedTuple):
 def sweep_bands(
     order: IntArray,
     bands: Bands,
-    reference: FloatArray,
-    pull: Pull,
     contacts: Contacts,
-    walls: WallContacts,
+    walls: WallContacts | None,
+    tension: FloatArray,
+    grown: float,
     skip_idle: bool,
 ) -> float:
-    """One sweep over the agents of `order`, in place; returns the largest move since `reference`, m.
+    """One sweep over the agents of `order`, in place; returns the largest move since listing, m.
 
     Args:
-        reference: (P, 3) positions where the neighbours were listed, m.
+        walls: None in the open plane.
+        tension: (A,) w of every band.
+        grown: part of the targets between bands that is aimed at.
         skip_idle: leave agents alone that touch nobody.
     """
     most = 0
@@ -114,24 +104,23 @@ def sweep_bands(
         count = bands.num_knots[a]
         own = bands.positions[begin : begin + count]
         clear(chain, count)
-        touching = _press_contacts(own, a, bands, contacts, chain)
-        if walls.target[a] > 0.0:
-            touching += _press_walls(own, a, bands, walls, chain)
+        touching = _press_contacts(own, a, bands, contacts, grown, chain)
+        touching += _press_walls(own, a, bands, walls, chain)
         if skip_idle and touching == 0:
             continue
-        _pull_band(own, pull.tension[a], pull.rest_rises[a], chain)
+        _pull_band(own, tension[a], bands.rest_rises[a], chain)
         hold_knots(bands.hold[begin : begin + count], chain)
         solve(chain, count)
-        _step(own, chain, a, bands, pull, walls)
+        _step(own, chain, a, bands, walls)
         for i in range(count):
             gap = 0.0
             for x in range(own.shape[1]):
-                gap += (own[i, x] - reference[begin + i, x]) ** 2
+                gap += (own[i, x] - contacts.reference[begin + i, x]) ** 2
             moved = max(moved, gap)
     return np.sqrt(moved)
 
 
-@inner
+@inlined
 def _pull_band(own: FloatArray, tension: float, rest_rise: float, chain: Chain) -> None:
     """Add tension and the proximal term (weight 1) of one band."""
     diagonal, upper, force = chain.diagonal, chain.upper, chain.force
@@ -149,36 +138,40 @@ def _pull_band(own: FloatArray, tension: float, rest_rise: float, chain: Chain) 
             upper[i, x, x] -= tension
 
 
-@inner
+@inlined
 def _press_contacts(
-    own: FloatArray, agent: int, bands: Bands, contacts: Contacts, chain: Chain
+    own: FloatArray, agent: int, bands: Bands, contacts: Contacts, grown: float, chain: Chain
 ) -> int:
     """Add the springs of every contact closer than its target; returns how many there are."""
     diagonal, upper, force = chain.diagonal, chain.upper, chain.force
-    rows, members = contacts.near
+    rows, members = contacts.rows, contacts.members
     head = bands.first_segment[agent]
     touching = 0
     normal = np.empty(3)
     for i in range(len(own) - 1):
-        p = space_time_point(own, i)
-        q = space_time_point(own, i + 1)
         for k in range(rows[head + i], rows[head + i + 1]):
             j = members[k]
             other = bands.agents[j]
-            target = contacts.target[agent, other]
-            u = space_time_point(bands.positions, bands.segments[j, 0])
-            v = space_time_point(bands.positions, bands.segments[j, 1])
-            s, t, squared = closest_parameters(p, q, u, v)
+            target = grown * contacts.target[agent, other]
+            s, t, squared = closest_of_segments(bands.positions, bands.segments, head + i, j)
             if squared >= target * target:
                 continue
             touching += 1
             gap = np.sqrt(squared)
+            u = bands.segments[j, 0]
+            v = bands.segments[j, 1]
             if gap > TOUCHING:
                 for x in range(3):
-                    near = p[x] + s * (q[x] - p[x])
-                    normal[x] = (near - u[x] - t * (v[x] - u[x])) / gap
+                    near = own[i, x] + s * (own[i + 1, x] - own[i, x])
+                    far = t * (bands.positions[v, x] - bands.positions[u, x])
+                    normal[x] = (near - bands.positions[u, x] - far) / gap
             else:
-                _normal_of_crossing(p, q, u, v, head < j, normal)
+                p, q = space_time_point(own, i), space_time_point(own, i + 1)
+                far_p, far_q = (
+                    space_time_point(bands.positions, u),
+                    space_time_point(bands.positions, v),
+                )
+                _normal_of_crossing(p, q, far_p, far_q, head < j, normal)
             push = CONTACT_STIFFNESS * (target - gap)
             if j < bands.num_moving:
                 push *= contacts.share[agent, other]
@@ -218,14 +211,18 @@ def _normal_of_crossing(
         normal[x] /= length
 
 
-@inner
+@inlined
 def _press_walls(
-    own: FloatArray, agent: int, bands: Bands, walls: WallContacts, chain: Chain
+    own: FloatArray, agent: int, bands: Bands, walls: WallContacts | None, chain: Chain
 ) -> int:
     """Add springs of knots near edges and of edge ends near segments; returns how many."""
-    rows, members = walls.near
-    edges = walls.edges
+    if walls is None:
+        return 0
     target = walls.target[agent]
+    if target == 0.0:
+        return 0
+    rows, members = walls.rows, walls.members
+    edges = walls.edges
     head = bands.first_segment[agent]
     touching = 0
     for i in range(len(own) - 1):
@@ -262,7 +259,7 @@ def _press_walls(
     return touching
 
 
-@inner
+@inlined
 def _add_wall_spring(chain: Chain, i: int, s: float, x: float, y: float, depth: float) -> None:
     """Add a spring with plane normal (x, y) at `s` of segment i, `depth` (m) within its target."""
     for end in range(2):
@@ -283,9 +280,9 @@ def _add_outer(blocks: FloatArray, i: int, stiff: float, x: float, y: float) -> 
     blocks[i, 1, 1] += stiff * y * y
 
 
-@inner
+@inlined
 def _step(
-    own: FloatArray, chain: Chain, agent: int, bands: Bands, pull: Pull, walls: WallContacts
+    own: FloatArray, chain: Chain, agent: int, bands: Bands, walls: WallContacts | None
 ) -> None:
     """Move a band by the chain's solution, shortened; time on its own where it would run back."""
     step = chain.force
@@ -296,8 +293,8 @@ def _step(
         for x in range(own.shape[1]):
             before[i, x] = own[i, x]
         furthest = max(furthest, step[i, 0] ** 2 + step[i, 1] ** 2 + step[i, 2] ** 2)
-    part = min(1.0, LONGEST_STEP * pull.radii[agent] / np.sqrt(max(furthest, 1e-300)))
-    latest = pull.ceilings[agent] - before[count - 1, TIME]
+    part = min(1.0, LONGEST_STEP * bands.radii[agent] / np.sqrt(max(furthest, 1e-300)))
+    latest = bands.ceilings[agent] - before[count - 1, TIME]
     step[count - 1, TIME] = min(step[count - 1, TIME] * part, latest) / part
     least = LEAST_DURATION * (before[count - 1, TIME] - before[0, TIME]) / (count - 1)
     time_part = part
@@ -314,12 +311,11 @@ def _step(
         time_part = 0.25 * part if attempt == 0 else 0.0
     for i in range(count):
         own[i, TIME] = before[i, TIME] + time_part * step[i, TIME]
-    head = bands.first_segment[agent]
     for _ in range(6):
         for i in range(count):
             for x in range(own.shape[1] - 1):
                 own[i, x] = before[i, x] + part * step[i, x]
-        if not walls.guarded[agent] or not band_crosses(own, head, walls.near, walls.edges):
+        if not _is_barred(own, agent, bands, walls):
             return
         part *= 0.5
     for i in range(count):
@@ -327,12 +323,30 @@ def _step(
             own[i, x] = before[i, x]
 
 
+@inlined
+def _is_barred(own: FloatArray, agent: int, bands: Bands, walls: WallContacts | None) -> bool:
+    """Whether a band lies across a wall that its agent must not step through."""
+    if walls is None:
+        return False
+    if not walls.guarded[agent]:
+        return False
+    return _crosses(own, bands.first_segment[agent], walls.rows, walls.members, walls.edges)
+
+
 @kernel
-def band_crosses(own: FloatArray, head: int, near: Neighbours, edges: FloatArray) -> bool:
-    """Whether a band (n, 3) touches or crosses an edge listed for its segments, from `head` on."""
+def band_crosses(knots: FloatArray, near: Neighbours, edges: FloatArray) -> bool:
+    """Whether a band of `knots` (n, 3) touches or crosses an edge listed for its segments."""
+    return _crosses(knots, 0, near.rows, near.members, edges)
+
+
+@inlined
+def _crosses(
+    own: FloatArray, head: int, rows: IntArray, members: IntArray, edges: FloatArray
+) -> bool:
+    """Whether a band touches or crosses an edge listed for its segments, which begin at `head`."""
     for i in range(len(own) - 1):
-        for k in range(near.rows[head + i], near.rows[head + i + 1]):
-            e = near.members[k]
+        for k in range(rows[head + i], rows[head + i + 1]):
+            e = members[k]
             if segments_cross(
                 plane_point(own, i), plane_point(own, i + 1),
                 (edges[e, 0], edges[e, 1]), (edges[e, 2], edges[e, 3]),

@@ -13,9 +13,23 @@ import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.compiled import kernel
-from stplan.geometry.grid import Grid, make_cells, make_grid
+from stplan.geometry.grid import Grid, grid_of_boxes
 
 UNREACHABLE = 1 << 29
+
+
+class MoveRows(NamedTuple):
+    """Moves of every vertex, waits left out, in compressed rows.
+
+    Attributes:
+        offsets: (V + 1,) and
+        moves: (2 E,) those of vertex v are ``moves[offsets[v]:offsets[v + 1]]``, rising.
+        ends: (V + 2 E,) the vertex at the other end of every move, waits included.
+    """
+
+    offsets: IntArray
+    moves: IntArray
+    ends: IntArray
 
 
 class Graph(NamedTuple):
@@ -28,8 +42,7 @@ class Graph(NamedTuple):
             outside of the free space.
         move_from, move_to: (V + 2 E,) vertices of every move.
         length: (V + 2 E,) plane length of every move (m).
-        out_offsets, out_moves: moves that leave a vertex, waits left out (compressed rows).
-        in_offsets, in_moves: moves that enter a vertex, waits left out.
+        leaving, entering: moves that leave and enter every vertex.
         middles: grid of the middles of all items in the plane.
     """
 
@@ -39,10 +52,8 @@ class Graph(NamedTuple):
     move_from: IntArray
     move_to: IntArray
     length: FloatArray
-    out_offsets: IntArray
-    out_moves: IntArray
-    in_offsets: IntArray
-    in_moves: IntArray
+    leaving: MoveRows
+    entering: MoveRows
     middles: Grid
 
     @property
@@ -70,7 +81,7 @@ class Graph(NamedTuple):
         """(V,) fewest `free` moves from every vertex to `goal`, or UNREACHABLE."""
         hops = np.full(self.num_vertices, UNREACHABLE, dtype=np.int64)
         if free[goal]:
-            _fill_hops(goal, self, free, hops)
+            _fill_hops(goal, self.entering, free, hops)
         return hops
 
 
@@ -83,8 +94,6 @@ def make_graph(vertices: FloatArray, edges: IntArray, clearance: FloatArray) -> 
     move_from = np.concatenate([rest, edges[:, 0], edges[:, 1]])
     move_to = np.concatenate([rest, edges[:, 1], edges[:, 0]])
     step = vertices[move_to] - vertices[move_from]
-    out_offsets, out_moves = _rows(move_from[num_vertices:], num_vertices)
-    in_offsets, in_moves = _rows(move_to[num_vertices:], num_vertices)
     middles = np.concatenate([vertices, (vertices[edges[:, 0]] + vertices[edges[:, 1]]) / 2])
     length = np.hypot(step[:, 0], step[:, 1])
     walked = length[num_vertices:]
@@ -95,29 +104,27 @@ def make_graph(vertices: FloatArray, edges: IntArray, clearance: FloatArray) -> 
         move_from=move_from,
         move_to=move_to,
         length=length,
-        out_offsets=out_offsets,
-        out_moves=out_moves + num_vertices,
-        in_offsets=in_offsets,
-        in_moves=in_moves + num_vertices,
+        leaving=_rows(move_from, move_to, num_vertices),
+        entering=_rows(move_to, move_from, num_vertices),
         middles=_grid_of_points(middles, float(np.median(walked)) if len(walked) else 1.0),
     )
 
 
-def _rows(keys: IntArray, num_rows: int) -> tuple[IntArray, IntArray]:
-    """Positions of every key 0..num_rows-1 in compressed rows, in rising order."""
-    positions = np.argsort(keys, kind="stable").astype(np.int64)
-    offsets = np.searchsorted(keys[positions], np.arange(num_rows + 1)).astype(np.int64)
-    return offsets, positions
+def _rows(vertices: IntArray, ends: IntArray, num_vertices: int) -> MoveRows:
+    """The moves of each of their `vertices`, with their other `ends`; the first are waits."""
+    keys = vertices[num_vertices:]
+    moves = np.argsort(keys, kind="stable").astype(np.int64)
+    offsets = np.searchsorted(keys[moves], np.arange(num_vertices + 1)).astype(np.int64)
+    return MoveRows(offsets, moves + num_vertices, ends)
 
 
 def _grid_of_points(points: FloatArray, size: float) -> Grid:
     """The grid of `points` (n, 2) with cells of about `size` (m), at most four a point."""
-    low, high = points.min(axis=0), points.max(axis=0)
-    return make_grid(make_cells(low, high, size, 4.0 * len(points)), points, points)
+    return grid_of_boxes(points, points, size, 4.0 * len(points))
 
 
 @kernel
-def _fill_hops(goal: int, graph: Graph, free: BoolArray, hops: IntArray) -> None:
+def _fill_hops(goal: int, entering: MoveRows, free: BoolArray, hops: IntArray) -> None:
     """Breadth-first search backwards from `goal`; `hops` comes filled with UNREACHABLE."""
     queue = np.empty(len(hops), np.int64)
     queue[0] = goal
@@ -127,9 +134,9 @@ def _fill_hops(goal: int, graph: Graph, free: BoolArray, hops: IntArray) -> None
     while head < tail:
         vertex = queue[head]
         head += 1
-        for place in range(graph.in_offsets[vertex], graph.in_offsets[vertex + 1]):
-            move = graph.in_moves[place]
-            source = graph.move_from[move]
+        for place in range(entering.offsets[vertex], entering.offsets[vertex + 1]):
+            move = entering.moves[place]
+            source = entering.ends[move]
             if free[move] and hops[source] == UNREACHABLE:
                 hops[source] = hops[vertex] + 1
                 queue[tail] = source

@@ -193,7 +193,7 @@ def _search(group: Group, graph: Graph, max_expansions: int) -> tuple[IntArray, 
     The second result says whether all states that can be reached were searched.
     """
     start, goal, hops, free, apart = group
-    vertices = graph.vertices
+    vertices, leaving = graph.vertices, graph.leaving
     size = len(start)
     num_vertices = len(vertices)
     parent = np.full(num_vertices**size, -1, np.int64)
@@ -236,7 +236,7 @@ def _search(group: Group, graph: Graph, max_expansions: int) -> tuple[IntArray, 
             code //= num_vertices
         # An odometer over the moves of all agents; place offsets - 1 stands for waiting.
         for agent in range(size):
-            place[agent] = graph.out_offsets[here[agent]] - 1
+            place[agent] = leaving.offsets[here[agent]] - 1
         agent = 0
         while agent >= 0:
             if agent == size:
@@ -255,16 +255,16 @@ def _search(group: Group, graph: Graph, max_expansions: int) -> tuple[IntArray, 
                     entries += 1
                 agent -= 1
                 continue
-            if place[agent] >= graph.out_offsets[here[agent] + 1]:
-                place[agent] = graph.out_offsets[here[agent]] - 1
+            if place[agent] >= leaving.offsets[here[agent] + 1]:
+                place[agent] = leaving.offsets[here[agent]] - 1
                 agent -= 1
                 continue
-            waits = place[agent] < graph.out_offsets[here[agent]]
-            move = here[agent] if waits else graph.out_moves[place[agent]]
+            waits = place[agent] < leaving.offsets[here[agent]]
+            move = here[agent] if waits else leaving.moves[place[agent]]
             place[agent] += 1
             if not free[agent, move]:
                 continue
-            after[agent] = graph.move_to[move]
+            after[agent] = leaving.ends[move]
             if hops[agent, after[agent]] >= UNREACHABLE:
                 continue
             clear = True

@@ -8,7 +8,7 @@ import numpy as np
 
 from stplan.arrays import BoolArray, IntArray
 from stplan.compiled import kernel
-from stplan.seeding.search.graph import Graph
+from stplan.seeding.search.graph import MoveRows
 
 
 class Journey(NamedTuple):
@@ -43,7 +43,7 @@ class Window(NamedTuple):
 
 
 @kernel
-def shortest_way(journey: Journey, graph: Graph) -> IntArray:
+def shortest_way(journey: Journey, leaving: MoveRows) -> IntArray:
     """Vertices of one way of fewest hops through all targets of a journey that can be made."""
     hops, targets = journey.hops, journey.targets
     vertex = journey.start
@@ -53,10 +53,10 @@ def shortest_way(journey: Journey, graph: Graph) -> IntArray:
     for step in range(1, len(way)):
         while leg < len(targets) - 1 and vertex == targets[leg]:
             leg += 1
-        for place in range(graph.out_offsets[vertex], graph.out_offsets[vertex + 1]):
-            move = graph.out_moves[place]
-            if journey.free[move] and hops[leg, graph.move_to[move]] < hops[leg, vertex]:
-                vertex = graph.move_to[move]
+        for place in range(leaving.offsets[vertex], leaving.offsets[vertex + 1]):
+            move = leaving.moves[place]
+            if journey.free[move] and hops[leg, leaving.ends[move]] < hops[leg, vertex]:
+                vertex = leaving.ends[move]
                 break
         way[step] = vertex
     return way

@@ -11,7 +11,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import inlined, kernel
-from stplan.seeding.search.graph import UNREACHABLE, Graph
+from stplan.seeding.search.graph import UNREACHABLE, Graph, MoveRows
 from stplan.seeding.search.journey import Journey, Window
 from stplan.seeding.search.reservations import CountArray
 
@@ -35,7 +35,7 @@ def cheapest_path(
         penalty: cost of each blocking rod of a move; HARD forbids blocked moves.
     """
     layered = np.ascontiguousarray(table.T)
-    path = _cheapest(journey, window, graph, layered, cost, penalty)
+    path = _cheapest(journey, window, graph.leaving, layered, cost, penalty)
     return path if len(path) else None
 
 
@@ -54,7 +54,7 @@ def _price(count: int, penalty: float) -> float:
 def _cheapest(
     journey: Journey,
     window: Window,
-    graph: Graph,
+    leaving: MoveRows,
     layered: CountArray,
     cost: FloatArray,
     penalty: float,
@@ -95,11 +95,11 @@ def _cheapest(
             if here[state] + hops[leg, vertex] * cheapest_move >= best:
                 continue
             # The wait is the move before the first walk.
-            for place in range(graph.out_offsets[vertex] - 1, graph.out_offsets[vertex + 1]):
-                move = vertex if place < graph.out_offsets[vertex] else graph.out_moves[place]
+            for place in range(leaving.offsets[vertex] - 1, leaving.offsets[vertex + 1]):
+                move = vertex if place < leaving.offsets[vertex] else leaving.moves[place]
                 if not free[move]:
                     continue
-                other = graph.move_to[move]
+                other = leaving.ends[move]
                 total = here[state] + cost[move] + _price(layered[layer, move], penalty)
                 next_leg = leg
                 while next_leg < num_legs - 1 and other == targets[next_leg]:

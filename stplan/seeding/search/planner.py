@@ -45,6 +45,7 @@ class Journeys:
         targets: waypoints and goal of every agent as vertices.
         free: (M,) moves clear of the walls, of every agent.
         hops: (legs, V) hops still to go on every leg, of every agent.
+        of: all of these, of every agent.
         distance: (A,) hops from start to goal, UNREACHABLE where there is no way.
     """
 
@@ -67,6 +68,8 @@ class Journeys:
             self.targets.append(places[1:])
             self.free.append(masks[limit])
             self.hops.append(_hops_of_legs(graph, places[1:], masks[limit]))
+        parts = zip(self.start, self.targets, self.hops, self.free, strict=True)
+        self.of = [Journey(*part) for part in parts]
         self.distance = np.array(
             [
                 int(hops[0, start]) if len(hops) else 0
@@ -74,10 +77,6 @@ class Journeys:
             ],
             dtype=np.int64,
         )
-
-    def of(self, agent: int) -> Journey:
-        """Where one agent has to go."""
-        return Journey(self.start[agent], self.targets[agent], self.hops[agent], self.free[agent])
 
     def stranded(self) -> list[int]:
         """Agents whose start and goal are not connected."""
@@ -191,7 +190,7 @@ class LayeredPlanner:
         if early and first > 0 and table[self.journeys.start[agent], first - 1] > 0:
             return None
         window = Window(first, last, bool(self.problem.stays[agent]), first + departure)
-        return self.search.path(self.journeys.of(agent), window, table)
+        return self.search.path(self.journeys.of[agent], window, table)
 
     def cheapest_path(self, agent: int, cost: FloatArray, penalty: float) -> IntArray | None:
         """Like `path`, of least `cost` (M,), passing through rods at a `penalty` each."""
@@ -199,7 +198,7 @@ class LayeredPlanner:
             int(self.first[agent]), int(self.last[agent]), bool(self.problem.stays[agent])
         )
         return cheapest_path(
-            self.graph, self.journeys.of(agent), window,
+            self.graph, self.journeys.of[agent], window,
             self.reservations.tables[self.class_of[agent]], cost, penalty,
         )  # fmt: skip
 
@@ -287,6 +286,6 @@ def busiest_place(problem: PlanningProblem, graph: Graph, journeys: Journeys) ->
     visits = np.zeros(int(square_of.max()) + 1, dtype=np.int64)
     for agent in np.flatnonzero(~problem.prescribed):
         if journeys.distance[agent] < UNREACHABLE:
-            way = shortest_way(journeys.of(int(agent)), graph)
+            way = shortest_way(journeys.of[agent], graph.leaving)
             visits[np.unique(square_of[way])] += 1
     return int(visits.max())

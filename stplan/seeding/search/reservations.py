@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from stplan.arrays import FloatArray
 from stplan.compiled import inlined, inner, kernel
-from stplan.geometry.grid import cells_of_box, make_query
+from stplan.geometry.grid import Grid, cells_of_box, make_query
 from stplan.geometry.growable import with_room
 from stplan.geometry.segments import Point, plane_point, space_time_point, squared_distance
 from stplan.seeding.search.graph import Graph
@@ -64,16 +64,23 @@ class Reservations:
     def __init__(self, graph: Graph, grid: TimeGrid, num_classes: int) -> None:
         self.graph = graph
         self.grid = grid
+        num_items = graph.num_vertices + len(graph.edges)
+        self._items = Items(
+            graph.vertices[graph.move_from[:num_items]],
+            graph.vertices[graph.move_to[:num_items]],
+            graph.length[:num_items] / 2,
+            graph.longest_edge,
+            graph.num_vertices,
+            graph.middles,
+        )
+        self._layers = Layers(grid.time_scale * grid.begin, grid.height, grid.count)
         self.tables: list[CountArray] = [
             np.zeros((graph.num_moves, grid.count), dtype=np.uint16) for _ in range(num_classes)
         ]
 
     def blocks(self, rod: FloatArray, distance: float) -> BlockArray:
         """(n, 3) of (move, first, last layer) nearer than `distance` to `rod` (k, 3), all in m."""
-        grid = self.grid
-        layers = Layers(grid.time_scale * grid.begin, grid.height, grid.count)
-        longest = self.graph.longest_edge
-        return _find_blocks(rod, distance * TOUCHING, layers, self.graph, longest).copy()
+        return _find_blocks(rod, distance * TOUCHING, self._layers, self._items).copy()
 
     def add(self, class_index: int, blocks: BlockArray) -> None:
         """Count `blocks` once more for a class."""
@@ -117,16 +124,34 @@ class Layers(NamedTuple):
     total: int
 
 
+class Items(NamedTuple):
+    """What a rod may block: the items of a graph, its V vertices and its E edges.
+
+    Attributes:
+        heads, tails: (V + E, 2) ends, m.
+        halves: (V + E,) half of their lengths, m.
+        longest: of the edges, m.
+        num_vertices: V.
+        middles: grid of their middles.
+    """
+
+    heads: FloatArray
+    tails: FloatArray
+    halves: FloatArray
+    longest: float
+    num_vertices: int
+    middles: Grid
+
+
 @kernel
-def _find_blocks(
-    rod: FloatArray, distance: float, layers: Layers, graph: Graph, longest_edge: float
-) -> BlockArray:
+def _find_blocks(rod: FloatArray, distance: float, layers: Layers, items: Items) -> BlockArray:
     """(n, 3) blocked moves of all segments of a rod, with their first and last layers."""
-    middles = graph.middles
+    middles = items.middles
     query = make_query(middles.cells)
     # Rods are cut to pieces no longer than an edge, so that few cells are searched for each.
-    longest = max(longest_edge, middles.cells.size)
+    longest = max(items.longest, middles.cells.size)
     limit = distance * distance
+    num_edges = len(items.heads) - items.num_vertices
     found = np.empty((FIRST_BLOCKS, 3), np.int32)
     count = 0
     for segment in range(len(rod) - 1):
@@ -141,9 +166,8 @@ def _find_blocks(
             last = min(int(np.floor((q[2] + distance) / layers.height)), layers.total - 1)
             if first > last:
                 continue
-            mx = (p[0] + q[0]) / 2
-            my = (p[1] + q[1]) / 2
-            reach = distance + own + longest_edge / 2
+            mx, my = (p[0] + q[0]) / 2, (p[1] + q[1]) / 2
+            reach = distance + own + items.longest / 2
             query.low[0], query.high[0] = mx - reach, mx + reach
             query.low[1], query.high[1] = my - reach, my + reach
             for r in range(cells_of_box(middles.cells, query)):
@@ -151,16 +175,14 @@ def _find_blocks(
                 found = with_room(found, count + 2 * (past - begin))
                 for place in range(begin, past):
                     item = middles.members[place]
-                    u = plane_point(graph.vertices, graph.move_from[item])
-                    v = plane_point(graph.vertices, graph.move_to[item])
-                    dx = (u[0] + v[0]) / 2 - mx
-                    dy = (u[1] + v[1]) / 2 - my
-                    span = distance + own + graph.length[item] / 2
+                    u, v = plane_point(items.heads, item), plane_point(items.tails, item)
+                    dx, dy = (u[0] + v[0]) / 2 - mx, (u[1] + v[1]) / 2 - my
+                    span = distance + own + items.halves[item]
                     if dx * dx + dy * dy > span * span:
                         continue
                     if squared_distance(u, v, (p[0], p[1]), (q[0], q[1])) > limit:
                         continue
-                    for way in range(1 if item < len(graph.vertices) else 2):
+                    for way in range(1 if item < items.num_vertices else 2):
                         if way == 1:
                             u, v = v, u
                         low = first
@@ -171,7 +193,7 @@ def _find_blocks(
                         high = last
                         while high > low and _squared_gap(u, v, high, layers, p, q) > limit:
                             high -= 1
-                        found[count, 0] = item + way * len(graph.edges)
+                        found[count, 0] = item + way * num_edges
                         found[count, 1] = low
                         found[count, 2] = high
                         count += 1

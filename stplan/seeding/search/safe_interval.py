@@ -8,15 +8,13 @@ legs: leg p ends at waypoint p, the last leg at the goal.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
 from stplan.arrays import IntArray
 from stplan.compiled import inner, kernel
 from stplan.geometry.growable import with_room
-from stplan.seeding.search.graph import UNREACHABLE, Graph
+from stplan.seeding.search.graph import UNREACHABLE, Graph, MoveRows
 from stplan.seeding.search.heap import drop_root, push
 from stplan.seeding.search.journey import Journey, Window
 from stplan.seeding.search.reservations import CountArray
@@ -27,33 +25,22 @@ StateArray = NDArray[np.int32]
 _VERTEX, _LEG, _FIRST, _LAST, _ARRIVAL, _PARENT, _NEXT = range(7)
 
 
-class Memory(NamedTuple):
-    """What a search has room for; both grow.
-
-    Attributes:
-        states: (n, 7).
-        heap: (n, 3).
-    """
-
-    states: StateArray
-    heap: IntArray
-
-
 class SafeIntervalSearch:
     """The search on one graph, with its working memory."""
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
-        self._memory = Memory(
-            np.empty((1 << 15, 7), dtype=np.int32), np.empty((1 << 15, 3), dtype=np.int64)
-        )
+        self._states: StateArray = np.empty((1 << 15, 7), dtype=np.int32)
+        self._heap: IntArray = np.empty((1 << 15, 3), dtype=np.int64)
 
     def path(self, journey: Journey, window: Window, table: CountArray) -> IntArray | None:
         """Vertices at layers `window.first`, ... up to the earliest arrival, or None.
 
         `table` (M, L) are counts of blocking rods.
         """
-        path, self._memory = _search(journey, window, self.graph, table, self._memory)
+        path, self._states, self._heap = _search(
+            journey, window, self.graph.leaving, table, self._states, self._heap
+        )
         return path if len(path) else None
 
 
@@ -106,11 +93,15 @@ def _walk_back(state: int, first_layer: int, states: StateArray) -> IntArray:
 
 @kernel
 def _search(
-    journey: Journey, window: Window, graph: Graph, table: CountArray, memory: Memory
-) -> tuple[IntArray, Memory]:
-    """The path, empty if there is none, and the memory, which may have grown."""
+    journey: Journey,
+    window: Window,
+    leaving: MoveRows,
+    table: CountArray,
+    states: StateArray,
+    heap: IntArray,
+) -> tuple[IntArray, StateArray, IntArray]:
+    """The path, empty if there is none, and the working memory, which may have grown."""
     start, targets, hops, free = journey
-    states, heap = memory
     nothing = np.empty(0, np.int64)
     num_layers = table.shape[1]
     last_leg = len(targets) - 1
@@ -119,11 +110,11 @@ def _search(
     while begun < last_leg and start == targets[begun]:
         begun += 1
     if hops[begun, start] >= UNREACHABLE or not free[start]:
-        return nothing, memory
+        return nothing, states, heap
     arrival = max(window.departure, window.first)
     for layer in range(window.first, min(arrival, num_layers)):
         if table[start, layer] > 0:
-            return nothing, memory
+            return nothing, states, heap
     state, count = _state_at(start, begun, arrival, table, heads, states, 0)
     states[state, _ARRIVAL] = arrival
     heap[0, 0] = 0
@@ -141,10 +132,10 @@ def _search(
         leg = int(states[state, _LEG])
         until = int(states[state, _LAST])
         if leg == last_leg and vertex == targets[leg] and (not window.stays or until == num_layers):
-            return _walk_back(state, window.first, states), Memory(states, heap)
-        for place in range(graph.out_offsets[vertex], graph.out_offsets[vertex + 1]):
-            move = graph.out_moves[place]
-            other = graph.move_to[move]
+            return _walk_back(state, window.first, states), states, heap
+        for place in range(leaving.offsets[vertex], leaving.offsets[vertex + 1]):
+            move = leaving.moves[place]
+            other = leaving.ends[move]
             if not free[move]:
                 continue
             next_leg = leg
@@ -171,4 +162,4 @@ def _search(
                     size += 1
                 # Leaving later is of use only to reach the next interval of the other vertex.
                 layer = max(layer + 1, int(states[found, _LAST]))
-    return nothing, Memory(states, heap)
+    return nothing, states, heap

@@ -6,7 +6,7 @@ import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.axes import TIME
-from stplan.compiled import inlined, inner, kernel
+from stplan.compiled import inlined, kernel
 from stplan.seeding.shortcutting.rod_field import RodField, segment_clear
 
 # Candidates lie this far apart in time, as a part of the mean duration.
@@ -75,7 +75,7 @@ def even_knots(
     return True
 
 
-@inner
+@inlined
 def _candidates(
     field: RodField, agent: int, mean: float
 ) -> tuple[FloatArray, IntArray, IntArray, BoolArray]:

@@ -57,8 +57,8 @@ class RodField(NamedTuple):
         required, wall_gaps: (A, A) and (A,) distances to exceed, m; negative where nothing is asked.
         widest: (A,) largest distance an agent has to keep from anybody.
         occupancy: the index.
-        walls: none of them in the open plane.
-        query, wall_query: working memory of questions to the index and to the walls.
+        walls: None in the open plane.
+        query, wall_query: working memory of questions to the index and to the walls, if any.
         stamps, clock: (A,), (1,) who was compared during the present question.
     """
 
@@ -70,11 +70,16 @@ class RodField(NamedTuple):
     wall_gaps: FloatArray
     widest: FloatArray
     occupancy: Occupancy
-    walls: BoundaryGrid
+    walls: BoundaryGrid | None
     query: Query
-    wall_query: Query
+    wall_query: Query | None
     stamps: IntArray
     clock: IntArray
+
+    def with_rods(self, agents: IntArray) -> RodField:
+        """The field with the rods of `agents` entered into its index."""
+        entries = enter_rods(self, agents)
+        return self._replace(occupancy=self.occupancy._replace(entries=entries))
 
     def curve(self, problem: PlanningProblem, agent: int) -> FloatArray:
         """An agent's curve in (x, y, t), ends exact to the last bit."""
@@ -113,8 +118,6 @@ def build_field(
     cells = make_cells(low, high, size, CELLS_PER_SEGMENT * num_segments + 64)
     heeds = problem.heeds_walls & (problem.boundary is not None)
     walls = problem.boundary
-    if walls is None:
-        walls = BoundaryGrid.from_segments(np.empty((0, 4)))
     field = RodField(
         knots=knots,
         counts=counts,
@@ -131,28 +134,29 @@ def build_field(
         ),
         walls=walls,
         query=make_query(cells),
-        wall_query=make_query(walls.grid.cells),
+        wall_query=None if walls is None else make_query(walls.grid.cells),
         stamps=np.zeros(len(curves), dtype=np.int64),
         clock=np.zeros(1, dtype=np.int64),
     )
-    return enter_all(field)
+    return field.with_rods(np.arange(len(curves)))
 
 
 @kernel
-def enter_all(field: RodField) -> RodField:
-    """The field with every rod entered."""
-    for agent in range(len(field.counts)):
-        field = enter_rod(field, agent)
-    return field
+def enter_rods(field: RodField, agents: IntArray) -> IntArray:
+    """Enter the rods of `agents` into the index; returns its entries, which may have grown."""
+    entries = field.occupancy.entries
+    for k in range(len(agents)):
+        entries = enter_rod(field, entries, agents[k])
+    return entries
 
 
-@kernel
-def enter_rod(field: RodField, agent: int) -> RodField:
-    """The field with an agent's rod and its tail entered into the index, which may have grown."""
-    cells, heads, entries, used = field.occupancy
-    last = field.counts[agent] - 1
-    for i in range(last + 1):
-        p, q = _segment(field, agent, i)
+@inner
+def enter_rod(field: RodField, entries: IntArray, agent: int) -> IntArray:
+    """Enter an agent's rod and its tail; returns the index's `entries`, which may have grown."""
+    cells, heads, used = field.occupancy.cells, field.occupancy.heads, field.occupancy.used
+    knots, count, top = field.knots[agent], field.counts[agent], field.tops[agent]
+    for i in range(count):
+        p, q = _segment(knots, count, top, i)
         pieces = num_pieces(p, q, cells.size)
         for k in range(pieces):
             _box_of_piece(p, q, k, pieces, 0.0, field.query)
@@ -168,31 +172,33 @@ def enter_rod(field: RodField, agent: int) -> RodField:
                         entries[used[0], 1] = heads[cell]
                         heads[cell] = used[0]
                         used[0] += 1
+    return entries
+
+
+@inlined
+def with_entries(field: RodField, entries: IntArray) -> RodField:
+    """The field with other `entries` of its index."""
+    occupancy = field.occupancy
     return RodField(
         field.knots, field.counts, field.pinned, field.tops, field.required, field.wall_gaps,
-        field.widest, Occupancy(cells, heads, entries, used), field.walls, field.query,
-        field.wall_query, field.stamps, field.clock,
+        field.widest, Occupancy(occupancy.cells, occupancy.heads, entries, occupancy.used),
+        field.walls, field.query, field.wall_query, field.stamps, field.clock,
     )  # fmt: skip
 
 
 @inlined
-def _segment(field: RodField, agent: int, i: int) -> tuple[Point, Point]:
-    """Segment i of a rod; that of the last knot is the tail, or the knot itself without one."""
-    knots = field.knots[agent]
+def _segment(knots: FloatArray, count: int, top: float, i: int) -> tuple[Point, Point]:
+    """Segment i of a rod; that of the last knot is the tail up to `top`, or the knot itself."""
     p = space_time_point(knots, i)
-    if i < field.counts[agent] - 1:
-        q = space_time_point(knots, i + 1)
-    else:
-        q = (p[0], p[1], max(p[2], field.tops[agent]))
-    return p, q
+    if i < count - 1:
+        return p, space_time_point(knots, i + 1)
+    return p, (p[0], p[1], max(p[2], top))
 
 
 @inlined
 def num_pieces(p: Point, q: Point, longest: float) -> int:
     """Into how many pieces no longer than `longest` (m) along an axis a segment is cut."""
-    extent = 0.0
-    for x in range(len(p)):
-        extent = max(extent, abs(q[x] - p[x]))
+    extent = max(abs(q[0] - p[0]), abs(q[1] - p[1]), abs(q[2] - p[2]))
     return int(extent / longest) + 1
 
 
@@ -206,12 +212,12 @@ def _box_of_piece(p: Point, q: Point, k: int, pieces: int, reach: float, query: 
         query.high[x] = max(head, tail) + reach
 
 
-@kernel
+@inner
 def segment_clear(field: RodField, agent: int, p: FloatArray, q: FloatArray) -> bool:
     """Whether the segment p q would keep an agent's rod clear of all others and of the walls."""
     if not clear_of_walls(p, q, field.wall_gaps[agent], field.walls, field.wall_query):
         return False
-    cells, heads, entries, _ = field.occupancy
+    cells, heads, entries = field.occupancy.cells, field.occupancy.heads, field.occupancy.entries
     field.clock[0] += 1
     now = field.clock[0]
     head, tail = (p[0], p[1], p[2]), (q[0], q[1], q[2])
@@ -228,16 +234,17 @@ def segment_clear(field: RodField, agent: int, p: FloatArray, q: FloatArray) -> 
                     if field.stamps[other] == now or gap <= 0.0:
                         continue
                     field.stamps[other] = now
-                    if not _clear_of_rod(field, other, head, tail, gap):
+                    count, top = field.counts[other], field.tops[other]
+                    if not _clear_of_rod(field.knots[other], count, top, head, tail, gap):
                         return False
     return True
 
 
 @inner
-def _clear_of_rod(field: RodField, other: int, p: Point, q: Point, gap: float) -> bool:
+def _clear_of_rod(
+    knots: FloatArray, count: int, top: float, p: Point, q: Point, gap: float
+) -> bool:
     """Whether the segment p q (p before q) is further than `gap` from one rod."""
-    knots = field.knots[other]
-    count = field.counts[other]
     low = 0
     high = count - 1
     while low < high:
@@ -251,7 +258,7 @@ def _clear_of_rod(field: RodField, other: int, p: Point, q: Point, gap: float) -
     for j in range(low, count):
         if knots[j, TIME] > q[TIME] + gap:
             break
-        u, v = _segment(field, other, j)
+        u, v = _segment(knots, count, top, j)
         if min(u[0], v[0]) > east or max(u[0], v[0]) < west:
             continue
         if min(u[1], v[1]) > north or max(u[1], v[1]) < south:

@@ -12,7 +12,7 @@ import numpy as np
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.axes import TIME
 from stplan.compiled import inlined, inner, kernel
-from stplan.seeding.shortcutting.rod_field import RodField, enter_rod, segment_clear
+from stplan.seeding.shortcutting.rod_field import RodField, enter_rod, segment_clear, with_entries
 
 # The greedy shortcut gives up on a knot after so many blocked chords in a row.
 LOOK_AHEAD = 4
@@ -55,17 +55,17 @@ def shortcut_round(
             aim[TIME] = arrivals[agent]
             _move_towards(field, agent, last, aim, moved)
         # Others meet the agent where it is now; its own moves ask about others only.
-        field = enter_rod(field, agent)
+        field = with_entries(field, enter_rod(field, field.occupancy.entries, agent))
 
 
 @inlined
 def _copy(source: FloatArray, target: FloatArray) -> None:
-    """Copy a point (d,)."""
-    for x in range(len(source)):
+    """Copy a point (3,)."""
+    for x in range(3):
         target[x] = source[x]
 
 
-@inner
+@inlined
 def _drop_knots(field: RodField, agent: int) -> None:
     """From every kept knot walk straight to the furthest one that can be reached clear."""
     knots = field.knots[agent]
@@ -107,7 +107,7 @@ def _piece_at(knots: FloatArray, count: int, height: float, point: FloatArray) -
     return low
 
 
-@inner
+@inlined
 def _shortcut(field: RodField, agent: int, where: float, how_long: float) -> None:
     """Replace a random piece by its constant-speed chord where that is clear."""
     count = field.counts[agent]

@@ -18,7 +18,7 @@ from stplan.problem.requirement import Requirement, held_requirement
 from stplan.problem.verification import verify
 from stplan.seeding.shortcutting.resampling import resample_curve
 from stplan.seeding.shortcutting.retiming import even_knots
-from stplan.seeding.shortcutting.rod_field import build_field, enter_rod
+from stplan.seeding.shortcutting.rod_field import build_field
 from stplan.seeding.shortcutting.shortcut_kernels import shortcut_round
 
 # Knots an agent gets by default: enough for the bends of its shortened curve, but no more than these.
@@ -178,7 +178,7 @@ def retime(
         )
         curve = field.curve(problem, agent)
         if evened:
-            field = enter_rod(field, agent)
+            field = field.with_rods(np.array([agent]))
         elif path is None:
             curve = resample_curve(curve, wanted[agent])
         result.append(curve)
