@@ -38,7 +38,7 @@ def test_rows_of_a_key_keep_their_order(pairs: list[tuple[int, int]]) -> None:
 @given(PAIRS)
 def test_pairs_are_sorted_by_both_entries(pairs: list[tuple[int, int]]) -> None:
     rows = np.array(pairs, dtype=np.int64).reshape(-1, 2)
-    assert [tuple(row) for row in sorted_pairs(rows, 7).tolist()] == sorted(pairs)
+    assert [tuple(row) for row in all_sorted(rows, 7).tolist()] == sorted(pairs)
 
 
 @settings(max_examples=80, deadline=None, derandomize=True)
@@ -48,4 +48,3 @@ def test_bisection_finds_what_numpy_finds(values: list[int], wanted: int, low: i
     low = min(low, len(rising))
     expected = low + int(np.searchsorted(rising[low:], wanted))
     assert first_at_least(rising, low, len(rising), wanted) == expected
-    assert [tuple(row) for row in all_sorted(rows, 7).tolist()] == sorted(pairs)
