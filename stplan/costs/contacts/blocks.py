@@ -13,7 +13,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import kernel
-from stplan.costs.contacts.contact_set import ContactList
+from stplan.costs.contacts.contact_set import ContactList, distinct
 from stplan.costs.contacts.potential import Coefficients
 from stplan.geometry.contacts import POINT_PAIRS, Measured, add_gradient
 from stplan.geometry.sorting import first_at_least
@@ -32,7 +32,7 @@ def near_blocks(contacts: ContactList, num_knots: int) -> IntArray:
     columns = contacts.points[:, _SECOND]
     high, low = np.maximum(rows, columns), np.minimum(rows, columns)
     keep = (high < num_knots) & ((high != low) | (_FIRST == _SECOND))
-    codes = np.unique(high[keep] * num_knots + low[keep])
+    codes = distinct(high[keep] * num_knots + low[keep])
     return np.column_stack([codes // num_knots, codes % num_knots])
 
 

@@ -30,15 +30,29 @@ class ContactList:
     def grouped(points: IntArray, key_of_contact: IntArray) -> ContactList:
         """Sort contacts by key, keeping the order inside a group."""
         order = np.argsort(key_of_contact, kind="stable")
-        keys, first, members = np.unique(
-            key_of_contact[order], return_index=True, return_inverse=True
-        )
+        ordered = key_of_contact[order]
+        new = _differ(ordered)
+        first = np.flatnonzero(new)
         starts = np.append(first, len(order)).astype(np.int64)
-        return ContactList(np.ascontiguousarray(points[order]), keys, starts, members)
+        members = np.cumsum(new) - 1
+        return ContactList(np.ascontiguousarray(points[order]), ordered[first], starts, members)
 
     def kept(self, keep: BoolArray) -> ContactList:
         """The contacts with `keep` (C,), in the same order."""
         return ContactList.grouped(self.points[keep], self.keys[self.members[keep]])
+
+
+def distinct(codes: IntArray) -> IntArray:
+    """`codes` (n,), each once, sorted: many times as fast as `np.unique`."""
+    ordered = np.sort(codes)
+    return ordered[_differ(ordered)]
+
+
+def _differ(ordered: IntArray) -> BoolArray:
+    """(n,) which entries differ from the one before."""
+    new = np.ones(len(ordered), dtype=bool)
+    np.not_equal(ordered[1:], ordered[:-1], out=new[1:])
+    return new
 
 
 class Candidates(Protocol):

@@ -14,14 +14,17 @@ advancement), and only by those whose motion exceeds their distance.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.axes import TIME
 from stplan.compiled import inlined, kernel
 from stplan.geometry.boundary_grid import BoundaryGrid
-from stplan.geometry.rod_neighbours import near_segments
 from stplan.geometry.segments import Point, squared_distance
 from stplan.geometry.wall_distances import squared_edge_distance
+from stplan.problem.rods import Rods
 
 # Share of the distance to keep that is kept wherever a step is measured, half of it everywhere else: the
 # less, the more measurements in the worst case.
@@ -31,35 +34,61 @@ HALF = 0.5
 MOST_MEASUREMENTS = 1000
 
 
+class _Sweep(NamedTuple):
+    """S segments on their way, in (x, y, c t), m.
+
+    Attributes:
+        start, step: (P, 3) positions before, and what they move.
+        segments: (S, 2) their ends.
+        motion: (S,) how far an end moves at most.
+        low, high: (2, S, 3) bounding boxes before and after.
+    """
+
+    start: FloatArray
+    step: FloatArray
+    segments: IntArray
+    motion: FloatArray
+    low: FloatArray
+    high: FloatArray
+
+
+class _Owned(NamedTuple):
+    """Which segments are whose: a's are begins[a]:begins[a + 1], in the order of time, and tails[a], -1
+    where it has none; furthest[a] is how far an end of them moves at most."""
+
+    begins: IntArray
+    tails: IntArray
+    furthest: FloatArray
+
+
 def rods_stay_apart(
-    start: FloatArray,
-    end: FloatArray,
-    segments: IntArray,
-    agents: IntArray,
-    collides: BoolArray,
-    distance: FloatArray,
+    rods: Rods, start: FloatArray, end: FloatArray, collides: BoolArray, distance: FloatArray
 ) -> bool:
-    """Whether no two rods pass through each other while positions move straight from `start` to `end`.
+    """Whether no two rods pass through each other while knots move straight from `start` to `end`.
 
     Args:
-        start, end: (P, 3) in (x, y, c t), m; the rods are further apart than `distance` at both.
-        segments: (S, 2) indices of end points.
-        agents: (S,) owner of every segment.
+        start, end: (M, 3); the rods are further apart than `distance` at both.
         collides: (A, A) which pairs of agents are asked for.
         distance: (A, A) what they keep, m.
     """
-    motion = np.sqrt(((end - start) ** 2).sum(axis=1))
-    furthest = float(motion.max(initial=0.0))
-    if 2.0 * furthest <= (1.0 - KEPT_ON_THE_WAY) * float(distance[collides].min(initial=np.inf)):
+    before = rods.positions(start)
+    step = rods.positions(end) - before
+    least = float(distance[collides].min(initial=np.inf))
+    if 2.0 * _furthest(step) <= (1.0 - KEPT_ON_THE_WAY) * least:
         return True
-    own = np.zeros(len(distance))
-    np.maximum.at(own, agents, motion[segments].max(axis=1))
-    reach = own[:, None] + own[None, :] + KEPT_ON_THE_WAY * distance
-    # Whoever starts further apart than both may move has nothing to fear.
-    moving = collides & (reach > distance)
-    pairs = near_segments(start, segments, agents, moving, reach)
-    kept = KEPT_ON_THE_WAY * distance[agents[pairs[:, 0]], agents[pairs[:, 1]]]
-    return _pairs_stay_apart(start, end - start, segments, pairs, kept)
+    own = rods.agents[: len(rods.segments) - len(rods.tail_ends)]
+    tails = np.full(len(distance), -1)
+    tails[rods.agents[len(own) :]] = np.arange(len(own), len(rods.segments))
+    begins = np.searchsorted(own, np.arange(len(distance) + 1)).astype(np.int64)
+    boxes = np.empty((2, 2, len(rods.segments), step.shape[1]))
+    moved, furthest = np.zeros(len(rods.segments)), np.zeros(len(distance))
+    _bound(before, step, rods.segments, rods.agents, boxes, moved, furthest)
+    return _rods_stay_apart(
+        _Sweep(before, step, rods.segments, moved, boxes[0], boxes[1]),
+        _Owned(begins, tails, furthest),
+        collides,
+        distance,
+    )
 
 
 def walls_stay_clear(
@@ -108,35 +137,138 @@ def _on_the_plane_way(start: FloatArray, step: FloatArray, index: int, passed: f
 
 
 @kernel
-def _pairs_stay_apart(
-    start: FloatArray, step: FloatArray, segments: IntArray, pairs: IntArray, kept: FloatArray
+def _furthest(step: FloatArray) -> float:
+    """How far anybody moves, m."""
+    squared = 0.0
+    for k in range(len(step)):
+        own = 0.0
+        for x in range(step.shape[1]):
+            own += step[k, x] * step[k, x]
+        squared = max(squared, own)
+    return np.sqrt(squared)
+
+
+@kernel
+def _bound(
+    start: FloatArray,
+    step: FloatArray,
+    segments: IntArray,
+    agents: IntArray,
+    boxes: FloatArray,
+    motion: FloatArray,
+    furthest: FloatArray,
+) -> None:
+    """Fill in the boxes (low and high, before and after, by segment and axis), the motion of segments (S,)
+    and of agents (A,)."""
+    for k in range(len(segments)):
+        p, q = segments[k, 0], segments[k, 1]
+        own, other = 0.0, 0.0
+        for x in range(step.shape[1]):
+            for after in range(2):
+                a, b = start[p, x] + after * step[p, x], start[q, x] + after * step[q, x]
+                boxes[0, after, k, x] = min(a, b)
+                boxes[1, after, k, x] = max(a, b)
+            own += step[p, x] * step[p, x]
+            other += step[q, x] * step[q, x]
+        motion[k] = np.sqrt(max(own, other))
+        furthest[agents[k]] = max(furthest[agents[k]], motion[k])
+
+
+@kernel
+def _rods_stay_apart(
+    sweep: _Sweep, owned: _Owned, collides: BoolArray, distance: FloatArray
 ) -> bool:
-    for k in range(len(pairs)):
-        p0, p1 = segments[pairs[k, 0], 0], segments[pairs[k, 0], 1]
-        q0, q1 = segments[pairs[k, 1], 0], segments[pairs[k, 1], 1]
-        squared = 0.0
-        for i in (p0, p1):
-            for j in (q0, q1):
-                own = 0.0
-                for x in range(3):
-                    own += (step[i, x] - step[j, x]) ** 2
-                squared = max(squared, own)
-        motion = np.sqrt(squared)
-        passed = 0.0
-        for measured in range(MOST_MEASUREMENTS + 1):
-            gap = np.sqrt(
-                squared_distance(
-                    _on_the_way(start, step, p0, passed), _on_the_way(start, step, p1, passed),
-                    _on_the_way(start, step, q0, passed), _on_the_way(start, step, q1, passed),
-                )
-            )  # fmt: skip
-            if gap <= kept[k] or measured == MOST_MEASUREMENTS:
+    for a in range(len(distance)):
+        for b in range(a + 1, len(distance)):
+            kept = KEPT_ON_THE_WAY * distance[a, b]
+            # Whoever starts further apart than both may move has nothing to fear.
+            if (
+                collides[a, b]
+                and owned.furthest[a] + owned.furthest[b] > distance[a, b] - kept
+                and not _both_stay_apart(sweep, owned, a, b, distance[a, b], kept)
+            ):
                 return False
-            room = gap - HALF * kept[k]
-            if room >= (1.0 - passed) * motion:
-                break
-            passed += room / motion
     return True
+
+
+@kernel
+def _both_stay_apart(
+    sweep: _Sweep, owned: _Owned, a: int, b: int, distance: float, kept: float
+) -> bool:
+    """Whether agents a and b, walked along in time together, pass through each other nowhere."""
+    low, high = sweep.low, sweep.high
+    reach = owned.furthest[a] + owned.furthest[b] + kept
+    begin, past = owned.begins[b], owned.begins[b + 1]
+    tail = owned.tails[b]
+    for k in range(owned.begins[a], owned.begins[a + 1] + 1):
+        # Its tail comes last.
+        i = k if k < owned.begins[a + 1] else owned.tails[a]
+        if i < 0 or sweep.motion[i] + owned.furthest[b] <= distance - kept:
+            continue
+        while begin < past and high[0, begin, TIME] < low[0, i, TIME] - reach:
+            begin += 1
+        for m in range(begin, past + 1):
+            j = m if m < past else tail
+            if m < past and low[0, m, TIME] > high[0, i, TIME] + reach:
+                j = tail
+            if (
+                j >= 0
+                and not _stays_ahead(low, high, i, j, kept)
+                and not _pair_stays_apart(sweep, i, j, kept)
+            ):
+                return False
+            if j == tail:
+                break
+    return True
+
+
+@inlined
+def _stays_ahead(low: FloatArray, high: FloatArray, i: int, j: int, kept: float) -> bool:
+    """Whether one of two segments is ahead of the other along an axis, before and after the step.
+
+    As ends move linearly, it then is so all the time. The last axis, time, tells most apart.
+    """
+    ahead = False
+    for y in range(low.shape[2]):
+        x = low.shape[2] - 1 - y
+        if low[0, i, x] - high[0, j, x] > kept:
+            ahead = low[1, i, x] - high[1, j, x] > kept
+        elif low[0, j, x] - high[0, i, x] > kept:
+            ahead = low[1, j, x] - high[1, i, x] > kept
+        if ahead:
+            break
+    return ahead
+
+
+@kernel
+def _pair_stays_apart(sweep: _Sweep, i: int, j: int, kept: float) -> bool:
+    """Whether two segments keep apart, by conservative advancement."""
+    start, step = sweep.start, sweep.step
+    p0, p1 = sweep.segments[i, 0], sweep.segments[i, 1]
+    q0, q1 = sweep.segments[j, 0], sweep.segments[j, 1]
+    squared = 0.0
+    for p in (p0, p1):
+        for q in (q0, q1):
+            own = 0.0
+            for x in range(start.shape[1]):
+                own += (step[p, x] - step[q, x]) ** 2
+            squared = max(squared, own)
+    motion = np.sqrt(squared)
+    passed = 0.0
+    for _ in range(MOST_MEASUREMENTS):
+        gap = np.sqrt(
+            squared_distance(
+                _on_the_way(start, step, p0, passed), _on_the_way(start, step, p1, passed),
+                _on_the_way(start, step, q0, passed), _on_the_way(start, step, q1, passed),
+            )
+        )  # fmt: skip
+        if gap <= kept:
+            return False
+        room = gap - HALF * kept
+        if room >= (1.0 - passed) * motion:
+            return True
+        passed += room / motion
+    return False
 
 
 @kernel
@@ -152,8 +284,9 @@ def _segments_stay_clear(
 ) -> bool:
     for k in range(len(pairs)):
         s = pairs[k, 0]
+        clear = False
         passed = 0.0
-        for measured in range(MOST_MEASUREMENTS + 1):
+        for _ in range(MOST_MEASUREMENTS):
             gap = np.sqrt(
                 squared_edge_distance(
                     _on_the_plane_way(first, first_step, s, passed),
@@ -161,10 +294,13 @@ def _segments_stay_clear(
                     edges, pairs[k, 1],
                 )
             )  # fmt: skip
-            if gap <= kept[s] or measured == MOST_MEASUREMENTS:
-                return False
+            if gap <= kept[s]:
+                break
             room = gap - HALF * kept[s]
-            if room >= (1.0 - passed) * motion[s]:
+            clear = room >= (1.0 - passed) * motion[s]
+            if clear:
                 break
             passed += room / motion[s]
+        if not clear:
+            return False
     return True

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
-from stplan.costs.contacts.contact_set import ContactList, ContactSet
+from stplan.costs.contacts.contact_set import ContactList, ContactSet, distinct
 from stplan.costs.contacts.rod_candidates import weighty
 from stplan.geometry.contacts import measure
 from stplan.problem.layout import KnotLayout
@@ -114,5 +114,5 @@ def _unique_rows(left: IntArray, right: IntArray) -> IntArray:
     if not len(left):
         return np.empty((0, 2), dtype=np.int64)
     width = int(right.max()) + 1
-    codes = np.unique(left * width + right)
+    codes = distinct(left * width + right)
     return np.column_stack([codes // width, codes % width])

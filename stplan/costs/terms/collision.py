@@ -107,11 +107,8 @@ class Collision(ContactTerm):
 
     def allows_step(self, start: FloatArray, end: FloatArray) -> bool:
         """Whether no two rods pass through each other between the two."""
-        rods, pairs = self._rods, self._interactions
-        return rods_stay_apart(
-            rods.positions(start), rods.positions(end), rods.segments, rods.agents,
-            pairs.collides, pairs.distance,
-        )  # fmt: skip
+        pairs = self._interactions
+        return rods_stay_apart(self._rods, start, end, pairs.collides, pairs.distance)
 
 
 def _weighing(candidates: RodCandidates, alpha: FloatArray) -> RodCandidates:

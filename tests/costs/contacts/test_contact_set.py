@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.costs.contacts.contact_set import Candidates, ContactSet
+from stplan.costs.contacts.contact_set import Candidates, ContactList, ContactSet, distinct
 from stplan.costs.contacts.friend_candidates import FriendCandidates
 from stplan.costs.contacts.rod_candidates import MANY, RodCandidates, brute_force
 from stplan.costs.contacts.smooth_minimum import NEGLIGIBLE
@@ -144,3 +144,20 @@ def test_reaches_without_end_list_everybody() -> None:
     far = replace(walls(), reach=np.full(3, np.inf))
     # Every knot to every edge, every segment to every corner.
     assert len(ContactSet.fresh(far, sample_knots(), SKIN).contacts.points) == 19 * 8 + 16 * 8
+
+
+def test_distinct_codes_are_sorted() -> None:
+    assert distinct(np.array([7, 3, 7, 1, 3], dtype=np.int64)).tolist() == [1, 3, 7]
+    assert distinct(np.empty(0, dtype=np.int64)).tolist() == []
+
+
+def test_contacts_are_grouped_in_the_order_they_came_in() -> None:
+    points = np.arange(20).reshape(5, 4)
+    grouped = ContactList.grouped(points, np.array([5, 2, 5, 9, 2]))
+    assert grouped.keys.tolist() == [2, 5, 9]
+    assert grouped.starts.tolist() == [0, 2, 4, 5]
+    assert grouped.members.tolist() == [0, 0, 1, 1, 2]
+    assert grouped.points[:, 0].tolist() == [4, 16, 0, 8, 12]
+    kept = grouped.kept(np.array([True, True, False, False, True]))
+    assert kept.keys.tolist() == [2, 9]
+    assert kept.points[:, 0].tolist() == [4, 16, 12]
