@@ -1,8 +1,9 @@
-"""Several starts: how many are made, and that the cheapest is taken."""
+"""Multistart: how many are made, and that the cheapest is taken."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -77,6 +78,31 @@ def test_seeds_that_are_optimised_are_of_different_classes_the_cheapest_first() 
 def test_a_number_of_starts_that_is_asked_for_is_made() -> None:
     _, seeds = tight_seeds("normal", starts=2)
     assert {seed.record.starts for seed in seeds} == {2}
+
+
+@pytest.mark.parametrize(
+    ("scene", "once"),
+    [
+        (wide.circle(4, 8.0, 50.0), "stplan.seeding.portfolio.hopeless"),
+        (tight.door(np.random.default_rng(1), per_side=2), "stplan.seeding.search.roadmap.build_roadmap"),
+    ],
+)  # fmt: skip
+def test_what_random_numbers_do_not_change_is_worked_out_once(
+    scene: Scene, once: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    room, _, name = once.rpartition(".")
+    work = getattr(import_module(room), name)
+    calls = []
+
+    def counted(*arguments: object, **named: object) -> object:
+        calls.append(name)
+        return work(*arguments, **named)
+
+    monkeypatch.setattr(once, counted)
+    assert started(scene, 1).record.starts == 1
+    alone = len(calls)
+    assert started(scene, 3).record.starts == 3
+    assert len(calls) == 2 * alone > 0
 
 
 @pytest.mark.parametrize("preferred", [None, 30.0])

@@ -1,4 +1,4 @@
-"""Rod distances and the proof of clearance against brute force."""
+"""How near rods and walls come, against brute force."""
 
 from __future__ import annotations
 
@@ -8,59 +8,17 @@ import numpy as np
 import pytest
 import shapely
 
-from stplan.arrays import FloatArray
 from stplan.geometry.rod_distances import rod_distance
 from stplan.problem.clearance import crosses_boundary, rod_clearances, wall_clearance
 from stplan.problem.planning_problem import PlanningProblem
-from stplan.problem.requirement import held_requirement, requirement
+from stplan.problem.requirement import requirement
 from stplan.problem.verification import verify
 from stplan.scene.model import PairRule, Weights
 from stplan.seeding.elastic_bands.band_neighbours import Bodies, near_rows
 from stplan.seeding.shortcutting.rod_field import build_field, segment_clear
-from stplan.world import FreeSpace
 from tests.geometry.points import apart_squared
+from tests.problem.samples import brute_distance, random_curve, random_problem, room
 from tests.seeding.families import agent, scene
-
-
-def random_curve(rng: np.random.Generator, count: int, extent: float = 10.0) -> FloatArray:
-    """A curve with uneven times from 0 to 20 s."""
-    times = np.sort(rng.uniform(0.0, 20.0, count))
-    times[0], times[-1] = 0.0, 20.0
-    return np.column_stack([rng.uniform(0.0, extent, (count, 2)), times])
-
-
-def random_problem(
-    rng: np.random.Generator, count: int, **changes: object
-) -> tuple[PlanningProblem, list[FloatArray]]:
-    """A problem of `count` agents with unequal radii, and curves that fit its ends."""
-    curves = [random_curve(rng, int(rng.integers(2, 8))) for _ in range(count)]
-    agents = [
-        agent(
-            f"a{k}",
-            curve[0, :2],
-            curve[-1, :2],
-            radius=float(rng.uniform(0.1, 0.4)),
-            **changes,
-        )
-        for k, curve in enumerate(curves)
-    ]
-    return PlanningProblem.from_scene(scene(agents, horizon=25.0, time_scale=0.7), None), curves
-
-
-def room(*holes: shapely.Polygon) -> FreeSpace:
-    """A square room of side 10 m with obstacles."""
-    return FreeSpace.from_polygon(
-        shapely.box(0, 0, 10, 10).difference(shapely.unary_union(list(holes)))
-    )
-
-
-def brute_distance(first: FloatArray, second: FloatArray) -> float:
-    """Over all pairs of segments."""
-    return min(
-        float(np.sqrt(apart_squared(first[i], first[i + 1], second[j], second[j + 1])))
-        for i in range(len(first) - 1)
-        for j in range(len(second) - 1)
-    )
 
 
 def test_rod_distance_equals_all_pairs_of_segments() -> None:
@@ -121,62 +79,6 @@ def test_near_rows_hold_every_near_segment() -> None:
             )
 
 
-def test_a_tail_stands_where_a_vanishing_agent_does_not() -> None:
-    here = agent("here", (0, 0), (5, 0), max_time=5.0)
-    late = agent("late", (5, 9), (5, -9), max_time=20.0)
-    curves = [
-        np.array([[0, 0, 0], [5, 0, 5.0]]),
-        np.array([[5, 9, 0], [5, 5, 15.0], [5, -9, 20.0]]),
-    ]
-    staying = PlanningProblem.from_scene(scene([here, late]), None)
-    assert len(verify(staying, curves)) == 1
-    vanishing = scene([replace(here, after_arrival="vanish"), late])
-    assert verify(PlanningProblem.from_scene(vanishing, None), curves) == []
-
-
-def test_pairs_that_ignore_each_other_may_meet() -> None:
-    agents = [agent("a", (0, 0), (9, 0)), agent("b", (9, 0), (0, 0))]
-    curves = [np.array([[0, 0, 0], [9, 0, 20.0]]), np.array([[9, 0, 0], [0, 0, 20.0]])]
-    assert verify(PlanningProblem.from_scene(scene(agents), None), curves)
-    rule = PairRule((0,), (1,), collide=False)
-    assert verify(PlanningProblem.from_scene(scene(agents, pairs=(rule,)), None), curves) == []
-
-
-def test_the_margin_gives_way_to_fixed_ends() -> None:
-    agents = [
-        agent("a", (0, 0), (9, 0)),
-        agent("b", (0, 1.02), (9, 3)),
-        agent("c", (0, 5), (9, 1.01)),
-        agent("d", (30, 5), (39, 5)),
-    ]
-    wanted = requirement(PlanningProblem.from_scene(scene(agents), None), 1.05).rods
-    assert wanted[0, 1] == wanted[1, 0] == pytest.approx(1.01)
-    assert wanted[0, 2] == pytest.approx(1.005)
-    assert wanted[0, 3] == wanted[1, 2] == pytest.approx(1.05)
-    standing = requirement(PlanningProblem.from_scene(scene(agents), None), 1.0).rods
-    assert standing == pytest.approx(np.ones((4, 4)))
-
-
-def test_the_margin_gives_way_near_walls() -> None:
-    agents = [agent("a", (0.51, 5), (9, 5)), agent("b", (5, 5), (2, 2))]
-    wanted = requirement(PlanningProblem.from_scene(scene(agents), room()), 1.05).walls
-    assert wanted == pytest.approx([0.505, 0.525])
-
-
-def test_a_held_requirement_never_asks_for_more_than_the_curves_have() -> None:
-    agents = [agent("a", (0, 0), (9, 0)), agent("b", (0, 5), (9, 5))]
-    curves = [
-        np.array([[0, 0, 0], [5, 0, 9], [9, 0, 20.0]]),
-        np.array([[0, 5, 0], [5, 1.02, 9], [9, 5, 20.0]]),
-    ]
-    problem = PlanningProblem.from_scene(scene(agents), None)
-    gap = rod_clearances(problem, curves).distance[0]
-    held = held_requirement(problem, curves, requirement(problem, 1.05))
-    assert held.rods[0, 1] == pytest.approx(1 + 0.9 * (gap - 1))
-    assert verify(problem, curves, held) == []
-    assert verify(problem, curves, requirement(problem, 1.05)) != []
-
-
 def test_walls_are_met_on_segments_and_only_by_those_who_heed_them() -> None:
     pillar = shapely.box(4, 4.9, 6, 5.1)
     heeding = agent("a", (1, 5), (9, 5))
@@ -196,37 +98,6 @@ def test_walls_are_met_on_segments_and_only_by_those_who_heed_them() -> None:
     assert wall_clearance(problem, 1, straight) == np.inf
     assert len(verify(problem, [straight, straight])) == 1
     assert verify(problem, [detour, straight]) == []
-
-
-def test_verify_names_what_is_wrong() -> None:
-    walker = agent("w", (0, 0), (9, 0), waypoints=((3.0, 1.0), (6.0, 1.0)))
-    told = agent("p", (0, 5), (9, 5), path=((0.0, 5.0, 0.0), (9.0, 5.0, 20.0)))
-    problem = PlanningProblem.from_scene(scene([walker, told]), None)
-    good = np.array([[0, 0, 0], [3, 1, 5], [6, 1, 10], [9, 0, 20.0]])
-    path = np.array([[0, 5, 0], [4.5, 5, 10], [9, 5, 20.0]])
-    assert verify(problem, [good, path]) == []
-
-    def faults(change: FloatArray | None = None, **edits: object) -> str:
-        curve = good.copy() if change is None else change
-        for place, value in edits.items():
-            row, column = place[1:].split("_")
-            curve[int(row), int(column)] = value
-        return "; ".join(map(str, verify(problem, [curve, path])))
-
-    assert "start" in faults(k0_0=1e-12)
-    assert "start" in faults(k0_2=0.5)
-    assert "goal" in faults(k3_1=1e-12)
-    assert "after 20" in faults(k3_2=20.5)
-    assert "time" in faults(k2_2=5.0)
-    assert "waypoint 1" in faults(k1_0=3.1)
-    assert "waypoint 2" in faults(good[[0, 2, 1, 3]] * [1, 1, 0] + good * [0, 0, 1])
-    assert "finite" in faults(k1_1=np.nan)
-    assert "finite" in faults(good[:1])
-    astray = path + np.array([[0, 0, 0], [0, 1, 0], [0, 0, 0]])
-    (fault,) = verify(problem, [good, astray])
-    assert fault.agents == ("p",)
-    assert "path" in str(fault)
-    assert "1 curves for 2" in str(verify(problem, [good])[0])
 
 
 def test_the_index_answers_like_brute_force() -> None:

@@ -12,7 +12,8 @@ from stplan.problem.requirement import Requirement, requirement
 from stplan.reasons import Reason
 from stplan.seeding.infeasibility import not_connected, stranded, too_few_layers
 from stplan.seeding.search.graph import Graph
-from stplan.seeding.search.planner import Journeys, LayeredPlanner, automatic_layers
+from stplan.seeding.search.journeys import Journeys, automatic_layers
+from stplan.seeding.search.planner import LayeredPlanner
 
 # Roadmaps are so many times finer where the first one misses ways that the free space has.
 REFINEMENTS = (2.0, 4.0)

@@ -6,15 +6,14 @@ over orders and neighbourhoods are built on this.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
-from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.arrays import FloatArray, IntArray
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement
-from stplan.seeding.search.graph import UNREACHABLE, Graph
-from stplan.seeding.search.journey import Journey, Window, shortest_way
+from stplan.seeding.search.graph import Graph
+from stplan.seeding.search.journey import Window
+from stplan.seeding.search.journeys import Journeys
 from stplan.seeding.search.layered_dijkstra import cheapest_path
 from stplan.seeding.search.reservations import (
     MEMORY_LIMIT,
@@ -29,70 +28,8 @@ Blocks = tuple[BlockArray, ...]
 
 # More tables than this are merged: a rod has to be entered in each of them.
 MAX_CLASSES = 16
-LEAST_LAYERS = 16
 MOST_LAYERS = 4000
-# Agents that queue at one place need more layers than the way is long: one by one they pass.
-LAYERS_IN_QUEUE = 10
-SHORT_QUEUE = 4
 NO_BLOCKS: BlockArray = np.empty((0, 3), dtype=np.int32)
-
-
-class Journeys:
-    """Where every agent has to go on a graph, whatever the layers.
-
-    Attributes:
-        start: (A,) vertex.
-        targets: waypoints and goal of every agent as vertices.
-        free: (M,) moves clear of the walls, of every agent.
-        hops: (legs, V) hops still to go on every leg, of every agent.
-        of: all of these, of every agent.
-        distance: (A,) hops from start to goal, UNREACHABLE where there is no way.
-    """
-
-    def __init__(
-        self, problem: PlanningProblem, graph: Graph, place_of: IntArray, required: Requirement
-    ) -> None:
-        self.start: list[int] = []
-        self.targets: list[IntArray] = []
-        self.free: list[BoolArray] = []
-        self.hops: list[IntArray] = []
-        masks: dict[float, BoolArray] = {}
-        position = 0
-        for agent, points in enumerate(problem.stops):
-            places = place_of[position : position + len(points)]
-            position += len(points)
-            limit = float(required.walls[agent]) if problem.heeds_walls[agent] else -math.inf
-            if limit not in masks:
-                masks[limit] = graph.free_moves(limit)
-            self.start.append(int(places[0]) if len(places) else 0)
-            self.targets.append(places[1:])
-            self.free.append(masks[limit])
-            self.hops.append(_hops_of_legs(graph, places[1:], masks[limit]))
-        parts = zip(self.start, self.targets, self.hops, self.free, strict=True)
-        self.of = [Journey(*part) for part in parts]
-        self.distance = np.array(
-            [
-                int(hops[0, start]) if len(hops) else 0
-                for hops, start in zip(self.hops, self.start, strict=True)
-            ],
-            dtype=np.int64,
-        )
-
-    def stranded(self) -> list[int]:
-        """Agents whose start and goal are not connected."""
-        return [int(agent) for agent in np.flatnonzero(self.distance >= UNREACHABLE)]
-
-
-def _hops_of_legs(graph: Graph, targets: IntArray, free: BoolArray) -> IntArray:
-    """(legs, V) hops to the goal through the targets that are left on each leg."""
-    hops = np.empty((len(targets), graph.num_vertices), dtype=np.int64)
-    beyond = 0
-    for leg in range(len(targets) - 1, -1, -1):
-        near = graph.hops_to(int(targets[leg]), free)
-        hops[leg] = np.minimum(near + beyond, UNREACHABLE)
-        if leg > 0:
-            beyond = int(hops[leg, targets[leg - 1]])
-    return hops
 
 
 def classes(problem: PlanningProblem, required: Requirement) -> tuple[IntArray, FloatArray]:
@@ -260,32 +197,3 @@ class LayeredPlanner:
 def most_layers(graph: Graph, num_classes: int) -> int:
     """How many layers fit in memory."""
     return max(2, min(MOST_LAYERS, MEMORY_LIMIT // (table_bytes(graph, 1) * num_classes)))
-
-
-def automatic_layers(problem: PlanningProblem, graph: Graph, journeys: Journeys) -> int:
-    """Twice the hops of the longest way, and some for each agent that has to queue.
-
-    Ways are counted where the time for them is shortest. The queue is that of the place which most
-    shortest ways pass.
-    """
-    span = float(problem.max_times.max() - problem.start_times.min())
-    movers = np.flatnonzero(~problem.prescribed)
-    windows = (problem.max_times - problem.start_times)[movers]
-    needed = 2.0 * journeys.distance[movers] * span / windows
-    queue = busiest_place(problem, graph, journeys)
-    longest = max(LEAST_LAYERS, math.ceil(float(needed.max(initial=0.0))))
-    return longest + LAYERS_IN_QUEUE * max(queue - SHORT_QUEUE, 0)
-
-
-def busiest_place(problem: PlanningProblem, graph: Graph, journeys: Journeys) -> int:
-    """How many agents' shortest ways come through the busiest square of two radii."""
-    cell = 2.0 * float(problem.radii.min())
-    squares = np.floor(graph.vertices / cell).astype(np.int64)
-    _, square_of = np.unique(squares, axis=0, return_inverse=True)
-    square_of = np.ravel(square_of).astype(np.int64)
-    visits = np.zeros(int(square_of.max()) + 1, dtype=np.int64)
-    for agent in np.flatnonzero(~problem.prescribed):
-        if journeys.distance[agent] < UNREACHABLE:
-            way = shortest_way(journeys.of[agent], graph.leaving)
-            visits[np.unique(square_of[way])] += 1
-    return int(visits.max())

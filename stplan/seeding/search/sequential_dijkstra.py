@@ -23,9 +23,10 @@ from stplan.problem.verification import verify
 from stplan.reasons import Reason
 from stplan.seeding.infeasibility import no_order, stranded
 from stplan.seeding.margins import margin_ladder
+from stplan.seeding.search.journeys import Journeys
 from stplan.seeding.search.layered_dijkstra import HARD, space_time_length
 from stplan.seeding.search.levels import Level, out_of_layers
-from stplan.seeding.search.planner import Journeys, LayeredPlanner
+from stplan.seeding.search.planner import LayeredPlanner
 from stplan.seeding.seeder import Budget, SeedAttempt, SeedRecord
 
 if TYPE_CHECKING:
