@@ -20,7 +20,7 @@ import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.axes import TIME
-from stplan.compiled import inlined, kernel
+from stplan.compiled import inlined, inner, kernel
 from stplan.geometry.boundary_grid import BoundaryGrid
 from stplan.geometry.segments import Point, squared_distance
 from stplan.geometry.wall_distances import squared_edge_distance
@@ -191,7 +191,7 @@ def _rods_stay_apart(
     return True
 
 
-@kernel
+@inner
 def _both_stay_apart(
     sweep: _Sweep, owned: _Owned, a: int, b: int, distance: float, kept: float
 ) -> bool:
@@ -240,7 +240,7 @@ def _stays_ahead(low: FloatArray, high: FloatArray, i: int, j: int, kept: float)
     return ahead
 
 
-@kernel
+@inner
 def _pair_stays_apart(sweep: _Sweep, i: int, j: int, kept: float) -> bool:
     """Whether two segments keep apart, by conservative advancement."""
     start, step = sweep.start, sweep.step
