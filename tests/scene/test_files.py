@@ -9,7 +9,7 @@ import pytest
 
 from stplan.errors import SceneError
 from stplan.scene import load_scene, parse_scene
-from stplan.scene.reading.yaml_nodes import LARGEST_FILE
+from stplan.schema.yaml_nodes import LARGEST_FILE
 from tests.scene.samples import PAIR, refusal, scene_text
 
 

@@ -14,8 +14,8 @@ from stplan.errors import SceneError
 from stplan.scene.format.agents import KINDS, AgentFile
 from stplan.scene.format.file import SceneFile
 from stplan.scene.model import located
-from stplan.scene.reading.yaml_tree import Tree
 from stplan.schema.mapping import Fault
+from stplan.schema.yaml_tree import Tree
 
 # Beyond these, looking for similar words costs more than it helps.
 MOST_HINTS = 100

@@ -16,8 +16,8 @@ from stplan.scene.reading.compile import check_parts, compile_scene, salvage
 from stplan.scene.reading.content_hash import content_hash
 from stplan.scene.reading.faults import Hints, scene_error, sentences, shown
 from stplan.scene.reading.overrides import apply_overrides
-from stplan.scene.reading.yaml_nodes import LARGEST_FILE
-from stplan.scene.reading.yaml_tree import read_tree
+from stplan.schema.yaml_nodes import LARGEST_FILE
+from stplan.schema.yaml_tree import read_tree
 
 
 def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:

@@ -8,8 +8,8 @@ from typing import Any
 
 from stplan.errors import SceneError
 from stplan.scene.reading.faults import Hints, shown
-from stplan.scene.reading.yaml_nodes import DEEPEST
-from stplan.scene.reading.yaml_tree import Tree, read_tree
+from stplan.schema.yaml_nodes import DEEPEST
+from stplan.schema.yaml_tree import Tree, read_tree
 
 LONGEST_OVERRIDE = 1_000_000
 

@@ -9,8 +9,8 @@ import sys
 import pytest
 
 from stplan.scene import parse_scene
-from stplan.scene.reading.yaml_nodes import DEEPEST
-from stplan.scene.reading.yaml_tree import read_tree
+from stplan.schema.yaml_nodes import DEEPEST
+from stplan.schema.yaml_tree import read_tree
 from tests.scene.samples import places, refusal, refusals, scene_text
 
 

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stplan.errors import SceneError
-from stplan.scene.reading.yaml_nodes import DEEPEST, LARGEST_FILE, MOST_VALUES
-from stplan.scene.reading.yaml_tree import LONGEST_KEY, read_tree
+from stplan.schema.yaml_nodes import DEEPEST, LARGEST_FILE, MOST_VALUES
+from stplan.schema.yaml_tree import LONGEST_KEY, read_tree
 
 
 def refusal(text: str) -> str:

@@ -17,7 +17,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 from stplan.errors import SceneError
-from stplan.scene.reading.yaml_nodes import (
+from stplan.schema.yaml_nodes import (
     Collection,
     Location,
     Scalar,
