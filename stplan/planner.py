@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from stplan.analysis.metrics import metrics
 from stplan.certify.certificate import Certificate, certify
@@ -42,6 +43,9 @@ from stplan.report import (
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Seed
 from stplan.status import Status
+
+if TYPE_CHECKING:
+    from stplan.world import FreeSpace
 
 Progress = Callable[[str], None]
 Stop = Callable[[], bool]
@@ -126,7 +130,7 @@ def plan(
     progress, stop = progress or _silent, stop or _never
     clock = Clock()
     with clock.stage("world"):
-        problem = prepare(scene)
+        problem = prepare(scene, progress)
     rivals = find_initial_curves(problem, most=None, progress=progress, stop=stop, clock=clock)
     stop()  # The answer is heeded below; who is asked knows that from here on a plan is certain.
     plans: list[Plan] = []
@@ -141,7 +145,7 @@ def plan(
             )  # fmt: skip
         with clock.stage("certify"):
             certificate = certify(scene, problem.free_space, optimised.world_lines)
-        plans.append(_planned(scene, initial, optimised, certificate, clock))
+        plans.append(_planned(problem, initial, optimised, certificate, clock))
     return _cheapest(plans)
 
 
@@ -197,20 +201,27 @@ def seed(scene: Scene, *, progress: Progress | None = None, stop: Stop | None = 
     """Only the initial curves of `scene`, certified. Raises like `plan`."""
     clock = Clock()
     with clock.stage("world"):
-        problem = prepare(scene)
+        problem = prepare(scene, progress)
     (initial,) = find_initial_curves(problem, progress=progress, stop=stop, clock=clock)
     found = SeedReport.of(initial.seed, initial.certificate, scene)
-    content = Report(scene, Status.SEEDED, initial.certificate, found.metrics, found)
+    content = Report(
+        scene, Status.SEEDED, initial.certificate, found.metrics, found, notes=_notes_of(problem)
+    )
     return Plan(initial.seed.world_lines, None, content, RunRecord.of(clock))
 
 
-def check(scene: Scene, lines: WorldLines) -> Certificate:
-    """The certificate of any trajectories against `scene`. Raises SceneError for a bad map."""
+def check(scene: Scene, lines: WorldLines, *, progress: Progress | None = None) -> Certificate:
+    """The certificate of any trajectories against `scene`.
+
+    What the user has to know about the map is said through `progress`. Raises SceneError for a bad map.
+    """
     if scene.map is None:
         return certify(scene, None, lines)
     from stplan.world import build_free_space
 
-    return certify(scene, build_free_space(scene), lines)
+    free_space = build_free_space(scene)
+    _say_notes(scene, free_space, progress or _silent)
+    return certify(scene, free_space, lines)
 
 
 def write_plan(result: Plan, folder: Path) -> list[Path]:
@@ -227,8 +238,10 @@ def plan_files(result: Plan) -> dict[str, bytes]:
     return contents | {RUN_RECORD: json_bytes(result.run.as_dict() | {KEY: manifest(contents)})}
 
 
-def prepare(scene: Scene) -> PlanningProblem:
+def prepare(scene: Scene, progress: Progress | None = None) -> PlanningProblem:
     """The problem of `scene`; whatever may be refused without any work is refused here.
+
+    What the user has to know about the map is said through `progress`.
 
     Raises:
         SceneError: the scene does not fit its map, or not into memory.
@@ -236,7 +249,24 @@ def prepare(scene: Scene) -> PlanningProblem:
     """
     chosen_linear_solver(scene)
     require_options(scene.solver.ipopt)
-    return planning_problem.prepare(scene)
+    problem = planning_problem.prepare(scene)
+    _say_notes(scene, problem.free_space, progress or _silent)
+    return problem
+
+
+def _say_notes(scene: Scene, free_space: FreeSpace | None, progress: Progress) -> None:
+    if free_space is None:
+        return
+    from stplan.world import warnings_of
+
+    for line in warnings_of(scene, free_space):
+        progress(line)
+
+
+def _notes_of(problem: PlanningProblem) -> tuple[str, ...]:
+    """What the user has to know about the map of `problem`, by key."""
+    notes = () if problem.free_space is None else problem.free_space.notes
+    return tuple(f"{note.path}: {note.text}" for note in notes)
 
 
 def find_initial_curves(
@@ -302,13 +332,14 @@ def _cheapest(plans: Sequence[Plan]) -> Plan:
 
 
 def _planned(
-    scene: Scene,
+    problem: PlanningProblem,
     initial: InitialCurves,
     optimised: Optimisation,
     certificate: Certificate,
     clock: Clock,
 ) -> Plan:
     """The optimised curves where they hold their certificate, else the seed."""
+    scene = problem.scene
     lines, status, costs = optimised.world_lines, optimised.status, optimised.costs
     scales = optimised.scales
     if not certificate.holds:
@@ -316,7 +347,9 @@ def _planned(
         costs, scales = optimised.seed_costs, optimised.seed_scales
     found = SeedReport.of(initial.seed, initial.certificate, scene)
     made = replace(OptimisationReport.of(scene, optimised), costs=costs, scales=scales)
-    content = Report(scene, status, certificate, metrics(scene, lines), found, made)
+    content = Report(
+        scene, status, certificate, metrics(scene, lines), found, made, notes=_notes_of(problem)
+    )
     run = RunRecord.of(clock, OptimisationTimes.of(optimised, clock.seconds["optimise"]))
     return Plan(initial.seed.world_lines, lines, content, run)
 

@@ -111,6 +111,7 @@ class Report:
         optimisation: None where only a seed was asked for.
         rivals: all plans that were made, of which this is the cheapest; none where it is the only one.
         improvement: None where none was asked for.
+        notes: what the user has to know about the map.
     """
 
     scene: Scene
@@ -121,6 +122,7 @@ class Report:
     optimisation: OptimisationReport | None = None
     rivals: tuple[RivalReport, ...] = ()
     improvement: ImprovementRecord | None = None
+    notes: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """For report.json."""
@@ -141,6 +143,8 @@ class Report:
             "metrics": self.metrics.as_dict(),
             "seed": self.seed.as_dict(),
         }
+        if self.notes:
+            content["notes"] = list(self.notes)
         if self.optimisation is not None:
             content |= self.optimisation.as_dict()
         if self.rivals:

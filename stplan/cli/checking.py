@@ -59,7 +59,7 @@ def check(
         )
     from stplan import planner
 
-    certificate = planner.check(scene, lines)
+    certificate = planner.check(scene, lines, progress=console.progress)
     if changed:
         console.progress(f"note: {scene.source} is not as it was when this run was planned")
     console.result(f"{scene.name}: {certificate.summary}", *certificate.violations)

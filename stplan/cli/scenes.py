@@ -47,9 +47,11 @@ def validate(console: Console, scenes: ScenePaths, *, overrides: Overrides = Non
         try:
             scene = read_scene(path, overrides or [])
             if scene.map is not None:
-                from stplan.world import fitted_free_space
+                from stplan.world import fitted_free_space, warnings_of
 
-                fitted_free_space(scene)
+                record["warnings"] = warnings_of(scene, fitted_free_space(scene))
+                for line in record["warnings"]:
+                    console.progress(line)
         except Exception as error:
             note_failure(console, record, error)
         else:

@@ -37,7 +37,7 @@ def explain_scene(
         SceneError, SolverError, StoppedError: as `planner.plan`.
     """
     seeding = replace(scene.seeding, time_limit=min(time_limit, scene.seeding.time_limit))
-    problem = prepare(scene if time_limit <= 0 else replace(scene, seeding=seeding))
+    problem = prepare(scene if time_limit <= 0 else replace(scene, seeding=seeding), progress)
     alone = ways_alone(problem)
     sections = [population(problem), passage_section(problem), encounter_section(problem, alone)]
     if time_limit <= 0:

@@ -1,7 +1,7 @@
 """Maps: free space, boundary, seeding mesh, and whether a scene fits."""
 
 from stplan.world.erosion import eroded
-from stplan.world.free_space import FreeSpace, build_free_space
+from stplan.world.free_space import FreeSpace, build_free_space, warnings_of
 from stplan.world.placement import (
     check_scene_in_world,
     cut_off_agents,
@@ -19,5 +19,6 @@ __all__ = [
     "cut_off_agents",
     "eroded",
     "fitted_free_space",
+    "warnings_of",
     "widest_passage",
 ]

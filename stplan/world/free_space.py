@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,7 +12,7 @@ import shapely
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.errors import SceneError
 from stplan.maps.floor import pieces, polylines, read_floor
-from stplan.maps.reader import MapError
+from stplan.maps.reader import MapError, Note
 from stplan.scene.model import Scene
 
 # A wall without thickness is opened this wide in `FreeSpace.polygon`: a share of the map's extent, but
@@ -36,6 +36,7 @@ class FreeSpace:
         triangles: (F, 3, 2) triangles that the map was drawn with, m, None where it has none.
         slits: polylines (n, 2) among the edges, m.
         area: the polygon with its slits closed.
+        notes: about the map, for its user.
     """
 
     polygon: shapely.Geometry
@@ -44,6 +45,7 @@ class FreeSpace:
     triangles: FloatArray | None
     slits: tuple[FloatArray, ...]
     area: shapely.Geometry
+    notes: tuple[Note, ...] = ()
 
     @staticmethod
     def from_polygon(
@@ -138,7 +140,14 @@ def build_free_space(scene: Scene) -> FreeSpace | None:
         floor = read_floor(scene.map)
     except MapError as fault:
         raise SceneError(scene.located(fault.path, fault.text)) from fault
-    return FreeSpace.from_polygon(floor.area, floor.triangles, floor.slits)
+    free_space = FreeSpace.from_polygon(floor.area, floor.triangles, floor.slits)
+    return replace(free_space, notes=floor.notes)
+
+
+def warnings_of(scene: Scene, free_space: FreeSpace | None) -> list[str]:
+    """What the user of `scene` has to know about its map, with file, line and key."""
+    notes = () if free_space is None else free_space.notes
+    return [f"warning: {scene.located(note.path, note.text)}" for note in notes]
 
 
 def _slit_edges(slits: Sequence[FloatArray]) -> FloatArray:

@@ -11,11 +11,17 @@ import shapely
 import trimesh
 
 from stplan.analysis.paths import positions, segment_speeds
+from stplan.scene.reading.load import parse_scene
 from stplan.viewing.glb_file import glb_bytes
 from stplan.viewing.jupedsim_file import jupedsim_bytes
 from stplan.viewing.palette import hex_colours
 from stplan.viewing.run_view import open_run
-from tests.viewing.runs import hall_run
+from stplan.world import build_free_space
+from tests.viewing.runs import hall_run, write_run
+
+# Without symmetry of any kind.
+HOUSE = [(0, 0), (12, 0), (12, 4), (5, 4), (5, 9), (0, 9)]
+YARD = [(1, 5), (3, 6), (2, 8)]
 
 
 @pytest.fixture
@@ -25,7 +31,7 @@ def view(tmp_path):
 
 def test_trimesh_reads_the_glb_back(view):
     scene = trimesh.load(io.BytesIO(glb_bytes(view, 2.0)), file_type="glb")
-    assert set(scene.geometry) == {"ann", "ben", "cat", "map walls"}
+    assert set(scene.geometry) == {"ann", "ben", "cat", "map floor", "map walls"}
     ann = scene.geometry["ann"]
     # x stays, time (2 m a second) points upwards, y points away: y is -z.
     np.testing.assert_allclose(ann.bounds, [[-4.3, 0.0, -0.3], [4.3, 18.0, 0.3]], atol=1e-6)
@@ -38,6 +44,27 @@ def test_trimesh_reads_the_glb_back(view):
     red, green, blue = ann.visual.material.baseColorFactor[:3].tolist()
     assert f"#{red:02x}{green:02x}{blue:02x}" == hex_colours(1)[0]
     np.testing.assert_allclose(scene.geometry["map walls"].bounds[:, [0, 2]], [[-5, -3], [5, 3]])
+
+
+@pytest.mark.parametrize("shift", [(0.0, 0.0), (500_000.0, 4_649_776.0), (-8.0e6, 9.9e6)])
+def test_an_exported_run_is_a_map_in_its_place(tmp_path, shift):
+    floor = shapely.affinity.translate(shapely.Polygon(HOUSE, [YARD]), *shift)
+    ring, hole = (np.array(part.coords[:-1]).tolist() for part in shapely.get_rings(floor))
+    start, goal = np.add([[1.0, 1.0], [11.0, 1.0]], shift)
+    text = (
+        f"stplan: 1\nname: house\nmap: {{polygon: {ring}, holes: [{hole}]}}\nhorizon: 20.0\n"
+        f"agents: [{{id: a, start: {start.tolist()}, goal: {goal.tolist()}}}]\n"
+    )
+    run = write_run(tmp_path, text, [np.array([[*start, 0.0], [*goal, 9.0]])])
+    (tmp_path / "run.glb").write_bytes(glb_bytes(open_run(run)))
+    read = build_free_space(parse_scene("""stplan: 1
+map: {mesh: run.glb}
+horizon: 20.0
+agents: [{id: a, start: [0, 0], goal: [1, 1]}]
+""", directory=tmp_path))  # fmt: skip
+    apart = shapely.symmetric_difference(read.area, floor)
+    assert apart.area < 1e-4
+    assert shapely.hausdorff_distance(read.area, floor) < 1e-5
 
 
 def test_the_default_height_of_a_second_is_the_time_scale(view):

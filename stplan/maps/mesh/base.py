@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
 from stplan.errors import SceneError
 from stplan.maps.files import FileContent, read_beside
-from stplan.maps.reader import Floor, MapBase, MapError, MapReader
+from stplan.maps.reader import Floor, MapBase, MapError, MapReader, Note
 from stplan.schema.mapping import GIVEN, Fault, FileModel, key
 
-SUFFIXES = (".obj", ".ply", ".off", ".stl", ".glb")
+if TYPE_CHECKING:
+    import shapely
+
 Axis = Literal["x", "y", "z"]
+# Which axis points up where the scene does not say: the standard of glTF fixes it, others leave it open.
+STANDARD_UP: dict[str, Axis] = {"glb": "y"}
+SUFFIXES = (".obj", ".ply", ".off", ".stl", ".glb")
 
 
 class MeshKeys(FileModel):
@@ -23,24 +28,47 @@ class MeshKeys(FileModel):
     mesh: Annotated[Annotated[str, Field(min_length=1, max_length=1000)] | None, GIVEN] = key(
         "base: a flat mesh (OBJ, PLY, OFF, STL, GLB), in m, path relative to the scene file"
     )
-    up: Annotated[Axis | None, GIVEN] = key("axis of the mesh that is dropped", "z")
+    up: Annotated[Axis | None, GIVEN] = key(
+        "axis of the mesh that points up and is dropped; default: y for GLB, z for all others"
+    )
 
 
 @dataclass(frozen=True)
 class MeshBase(MapBase):
-    """A flat mesh; `up` names the axis that is dropped."""
+    """A flat mesh, seen from above; `up` names the axis that points there, None is the format's own."""
 
     file: FileContent
-    up: Axis
+    up: Axis | None
+
+    @property
+    def axis(self) -> Axis:
+        """The axis that points up."""
+        return self.up or STANDARD_UP.get(self.file.kind, "z")
 
     def floor(self) -> Floor:
         """The union of the mesh's triangles in the plane."""
-        from stplan.maps.mesh.reader import mesh_floor
+        from stplan.maps.mesh.reader import has_area, mesh_floor
 
+        name = self.file.path.name
         try:
-            return mesh_floor(self.file, self.up)
+            floor = mesh_floor(self.file, self.axis)
         except SceneError as error:
-            raise MapError("map.mesh", f"{self.file.path.name} {error}") from error
+            text = f"{name} {error}"
+            if self.up is None and self.axis == "y" and has_area(self.file, "z"):
+                text += "; by the standard of glTF y points up, and `up: z` says that z does here"
+            raise MapError("map.mesh", text) from error
+        if self.axis != "y":
+            return floor
+        text = ""
+        if self.up is None:
+            if has_area(self.file, "z"):
+                text = "y points up by the standard of glTF; before, z did: `up: z` reads it so"
+        elif not _symmetric(floor.area):
+            text = (
+                "the map's y is the mesh's -z, as seen from above; before, it was z: a mirror image"
+            )
+        notes = (Note("map.up" if self.up else "map.mesh", f"{name}: {text}"),) if text else ()
+        return replace(floor, notes=(*floor.notes, *notes))
 
     def contents(self) -> tuple[bytes, ...]:
         """The bytes of the mesh file."""
@@ -48,12 +76,20 @@ class MeshBase(MapBase):
 
     def meaning(self) -> dict[str, Any]:
         """All that the scene says of it; what the file holds is hashed apart, its name never."""
-        return {"path": "mesh", "up": self.up}
+        return {"path": "mesh", "up": self.axis}
+
+
+def _symmetric(area: shapely.Geometry) -> bool:
+    """Whether `area` is its own image under (x, y) -> (x, -y), but for rounding."""
+    import shapely
+
+    mirrored = shapely.transform(area, lambda corners: corners * [1.0, -1.0])
+    return bool(shapely.area(shapely.symmetric_difference(area, mirrored)) <= 1e-6 * area.area)
 
 
 def _compile(entry: MeshKeys, folder: Path, faults: list[Fault]) -> MeshBase:
     file = read_beside(entry.mesh or "", folder, SUFFIXES, "map.mesh", "a mesh file", faults)
-    return MeshBase(file, entry.up or "z")
+    return MeshBase(file, entry.up)
 
 
 MESH = MapReader("mesh", MeshKeys, _compile, "a mesh")

@@ -41,7 +41,25 @@ def joined(vertices: FloatArray, triangles: IntArray) -> shapely.Geometry:
         shape = shapely.Polygon(vertices[ring])
         if shape.is_valid:
             shapes[owner] = shape
-    return _union(shapes)
+    return _without_slivers(_union(shapes), width)
+
+
+def _without_slivers(area: shapely.Geometry, width: float) -> shapely.Geometry:
+    """`area` with those holes filled that are nowhere wider than `width` (m): cracks between faces."""
+    parts = shapely.get_parts(area)
+    parts = parts[shapely.get_dimensions(parts) == 2]
+    holes = shapely.polygons(shapely.get_rings(parts[shapely.get_num_interior_rings(parts) > 0]))
+    # No ring encloses more than its length times the radius of the largest disc in it.
+    thin = holes[shapely.area(holes) <= width / 2 * shapely.length(holes)]
+    thin = thin[shapely.is_empty(shapely.buffer(thin, -width / 2))]
+    if not len(thin):
+        return area
+    narrow = {hole.exterior.wkb for hole in thin}
+    whole = [
+        shapely.Polygon(part.exterior, [ring for ring in part.interiors if ring.wkb not in narrow])
+        for part in parts
+    ]
+    return whole[0] if len(whole) == 1 else shapely.MultiPolygon(whole)
 
 
 def _union(shapes: FloatArray) -> shapely.Geometry:

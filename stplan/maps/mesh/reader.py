@@ -22,11 +22,13 @@ from stplan.maps.reader import Floor
 MOST_LAYERS = 64
 # Cosine between the normals of two pieces of one face that lie on top of each other.
 FOLDED = -0.99
+# Seen from where an axis points, x and y of the map are these axes of the mesh, times these signs.
 _KEPT_AXES = {"x": (1, 2), "y": (0, 2), "z": (0, 1)}
+_SIGNS = {"x": (1.0, 1.0), "y": (1.0, -1.0), "z": (1.0, 1.0)}
 
 
 def read_flat_mesh(file: FileContent, up: str) -> tuple[FloatArray, IntArray]:
-    """Vertices (V, 2) in m and triangles (F, 3) of a mesh file, the axis `up` dropped.
+    """Vertices (V, 2) in m and triangles (F, 3) of a mesh file, as seen from where the axis `up` points.
 
     Equal vertices are merged, faces split, triangles without area after projection left out.
 
@@ -53,7 +55,8 @@ def read_flat_mesh(file: FileContent, up: str) -> tuple[FloatArray, IntArray]:
         raise SceneError("has no faces")
     if triangles.min() < 0 or triangles.max() >= len(vertices):
         raise SceneError("has faces that refer to vertices it does not have")
-    flat = vertices[:, _KEPT_AXES[up]]
+    # Adding 0 leaves no -0.
+    flat = vertices[:, _KEPT_AXES[up]] * _SIGNS[up] + 0.0
     # Of the axis that is dropped too: normals are computed with it.
     corners = vertices[triangles]
     if not np.isfinite(corners).all() or np.abs(corners).max() > 1e9:
@@ -74,6 +77,15 @@ def read_flat_mesh(file: FileContent, up: str) -> tuple[FloatArray, IntArray]:
             "on average; a floor is expected"
         )
     return flat, triangles[keep]
+
+
+def has_area(file: FileContent, up: str) -> bool:
+    """Whether there is a floor to see from where the axis `up` points."""
+    try:
+        read_flat_mesh(file, up)
+    except SceneError:
+        return False
+    return True
 
 
 def _load(content: bytes, kind: str) -> tuple[FloatArray, IntArray]:

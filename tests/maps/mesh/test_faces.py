@@ -27,9 +27,9 @@ def obj(points: Points, *faces: list[int], height: str = "0") -> str:
 
 
 def free(folder: Path, content: str | bytes, name: str = "m.obj") -> FreeSpace:
-    """The free space of a mesh file with this content."""
+    """The free space of a mesh file with this content, seen along its z axis."""
     (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
-    space = build_free_space(scene(f"{{mesh: {name}}}", folder=folder))
+    space = build_free_space(scene(f"{{mesh: {name}, up: z}}", folder=folder))
     assert space is not None
     return space
 
