@@ -29,15 +29,18 @@ _DEFAULTS: dict[str, Any] = {
     "jac_c_constant": "yes",
     "jac_d_constant": "yes",
     "nlp_scaling_method": "none",
+    # Starts are feasible and runs are stopped early: a greater barrier of Ipopt's own would still be felt at
+    # their ends, and keep the latest arrivals from their bounds. Multipliers start out fitting to it.
     "mu_strategy": "monotone",
-    "mu_init": 1e-3,
+    "mu_init": 1e-9,
+    "bound_mult_init_method": "mu-based",
     # Bounds are promises: never relaxed, and the start is hardly pushed away from them.
     "bound_relax_factor": 0.0,
     "bound_push": 1e-8,
     "bound_frac": 1e-8,
     "slack_bound_push": 1e-8,
     "slack_bound_frac": 1e-8,
-    "tol": 1e-6,
+    "tol": 1e-9,
     "acceptable_iter": 0,
     # Refine a solution of the linear system only where it is found to be inaccurate.
     "min_refinement_steps": 0,
