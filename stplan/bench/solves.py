@@ -58,11 +58,11 @@ class SolveFigures:
         return self.optimise_seconds / self.iterations if self.iterations else np.nan
 
 
-def run(scene: Scene) -> tuple[SolveFigures, Plan | None]:
-    """Plan `scene` and write its files to a folder that is removed again."""
+def run(scene: Scene, stop: Callable[[], bool] | None = None) -> tuple[SolveFigures, Plan | None]:
+    """Plan `scene`, until `stop` at most, and write its files to a folder that is removed again."""
     started = time.perf_counter()
     try:
-        planned = plan(scene)
+        planned = plan(scene, stop=stop)
     except SeedingError as error:
         reason = str(error).splitlines()[0]
         seconds = time.perf_counter() - started

@@ -368,6 +368,39 @@ def quality(
     return _finish(console, output, quality_table.files(known, measured))
 
 
+@command(benchmarks, without=_NO_JSON)
+def paper(
+    console: Console,
+    *,
+    output: Output = FOLDER,
+    scenes: Annotated[Path, typer.Option(metavar="DIR", help="Where the scenes are.")] = Path(
+        "scenes"
+    ),
+    only: Annotated[str, typer.Option(metavar="A,B", help="Only scenes with these names.")] = "",
+    time_limit: TimeLimit = None,
+    full: Full = False,
+) -> int:
+    """The paper's scenes by the default and by the paper's recipe, and its plots of time.
+
+    Costs, iterations and seconds of either stand side by side. An iteration is timed over agents, knots
+    and wall edges, by the default, by the paper's recipe, and with barriers of every pair of segments.
+
+    \b
+    Examples:
+      stplan bench paper
+      stplan bench paper --only circle,corn --time-limit 60
+    """
+    from stplan.bench import paper, paper_table
+    from stplan.bench.plots import require_matplotlib
+
+    require_matplotlib()
+    files = paper.chosen_scenes(scenes, _names(only), full=full)
+    seconds = time_limit or (paper.FULL_SECONDS if full else paper.SMALL_SECONDS)
+    compared = paper.compare(files, seconds, progress=console.progress)
+    timings = paper.time_iterations(full=full, progress=console.progress)
+    return _finish(console, output, paper_table.files(compared, timings))
+
+
 def _sweep(console: Console, name: str, *, output: Path, full: bool) -> int:
     """Measure how the time of an iteration grows in one direction."""
     from stplan.bench import scaling, scaling_table

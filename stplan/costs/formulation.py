@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
+from stplan.costs.contacts.smooth_minimum import SmoothMinimum
 from stplan.problem.layout import KnotLayout
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.rods import Rods
@@ -83,10 +84,12 @@ class Formulation:
         return np.array([np.inf if value is None else value for value in found])
 
     @property
-    def alpha_0(self) -> float | None:
-        """Least sharpness of smooth minima, 1/m; None where clearances are those of contacts."""
+    def smooth_minimum(self) -> SmoothMinimum | None:
+        """The model of clearances, None where they are those of contacts."""
         solver = self.problem.scene.solver
-        return solver.alpha if solver.clearance_model == "smooth-minimum" else None
+        if solver.clearance_model != "smooth-minimum":
+            return None
+        return SmoothMinimum(solver.alpha, solver.alpha_rule, solver.hessian_cutoff)
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ RUN = 8
 
 
 def near_minimum(
-    positions: FloatArray, segments: IntArray, ranges: IntArray, slack: float
+    positions: FloatArray, segments: IntArray, ranges: IntArray, slack: FloatArray
 ) -> tuple[IntArray, IntArray]:
     """Pairs of segments hardly further apart than the nearest ones of their two rods.
 
@@ -27,7 +27,7 @@ def near_minimum(
         positions: (P, 3) points in (x, y, c t), m.
         segments: (S, 2) indices of end points.
         ranges: (G, 4) of every pair of rods: segments ``[0]:[1]`` of one, ``[2]:[3]`` of the other.
-        slack: how much further apart than the nearest pair, m.
+        slack: (G,) how much further apart than the nearest pair, m.
 
     Returns:
         (N, 2) segments of one and the other rod, and (N,) the pair of rods, in the order of `ranges`.
@@ -38,7 +38,7 @@ def near_minimum(
 
 @kernel
 def _near_minimum(
-    positions: FloatArray, segments: IntArray, ranges: IntArray, slack: float
+    positions: FloatArray, segments: IntArray, ranges: IntArray, slack: FloatArray
 ) -> IntArray:
     """(N, 3) segment of one rod, segment of the other, pair of rods."""
     found = np.empty((8 * len(ranges) + 64, 3), np.int64)
@@ -69,13 +69,13 @@ def _near_minimum(
                 for j in range(b0 + c * RUN, min(b0 + (c + 1) * RUN, b1)):
                     least = min(least, _distance(positions, segments, i, j))
         for place in range(len(bound)):
-            if bound[place] >= least + slack:
+            if bound[place] >= least + slack[g]:
                 continue
             r, c = place // columns, place % columns
             found = with_room(found, count + RUN * RUN)
             for i in range(a0 + r * RUN, min(a0 + (r + 1) * RUN, a1)):
                 for j in range(b0 + c * RUN, min(b0 + (c + 1) * RUN, b1)):
-                    if _distance(positions, segments, i, j) < least + slack:
+                    if _distance(positions, segments, i, j) < least + slack[g]:
                         found[count, 0] = i
                         found[count, 1] = j
                         found[count, 2] = g

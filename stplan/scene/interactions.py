@@ -17,7 +17,7 @@ class Interactions:
     Attributes:
         collides: the pair must keep its distance (both weights 0, or `collide: false`, is off).
         distance: R_ab in m, the comfort distance (r_a + r_b unless overridden).
-        collision_weight: K^C_ab, the mean of both agents' weights.
+        collision_weight: K^C_ab, the mean of both agents' weights unless overridden.
         grouping: K^G_ab >= 0, 0 where the pair is not grouped.
     """
 
@@ -36,7 +36,10 @@ class PairSettings:
         self._rules = [
             (np.array(rule.left, dtype=np.int64), np.array(rule.right, dtype=np.int64), rule)
             for rule in scene.pairs
-            if (rule.distance, rule.grouping, rule.collide) != (None, None, None)
+            if any(
+                value is not None
+                for value in (rule.distance, rule.grouping, rule.collide, rule.collision)
+            )
         ]
 
     def between(self, rows: IntArray, columns: IntArray) -> Interactions:
@@ -56,6 +59,8 @@ class PairSettings:
                     grouping[where] = rule.grouping
                 if rule.collide is not None:
                     collides[where] = rule.collide
+                if rule.collision is not None:
+                    weight[where] = rule.collision
         collides &= weight > 0
         same = rows[:, None] == columns[None, :]
         collides[same] = False
@@ -66,11 +71,14 @@ class PairSettings:
         """`Interactions.collides` of all agents, (A, A), without the rest."""
         count = len(self._radii)
         collides = np.ones((count, count), dtype=bool)
+        careless = self._weights <= 0
+        minds = ~(careless[:, None] & careless[None, :])
         for left, right, rule in self._rules:
             if rule.collide is not None:
                 collides[np.ix_(left, right)] = collides[np.ix_(right, left)] = rule.collide
-        careless = np.flatnonzero(self._weights <= 0)
-        collides[np.ix_(careless, careless)] = False
+            if rule.collision is not None:
+                minds[np.ix_(left, right)] = minds[np.ix_(right, left)] = True
+        collides &= minds
         np.fill_diagonal(collides, False)
         return collides
 

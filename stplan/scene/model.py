@@ -83,6 +83,7 @@ class PairRule:
     grouping: float | None = None
     collide: bool | None = None
     meet: Meet | None = None
+    collision: float | None = added(None)
 
 
 @dataclass(frozen=True)
@@ -94,6 +95,7 @@ class SeedingSettings:
     margin: float = 1.05
     time_limit: float = 60.0
     rng_seed: int = 0
+    shortcuts: bool = added(True)
 
 
 @dataclass(frozen=True)
@@ -115,6 +117,8 @@ class SolverSettings:
     hessian: Literal["gauss-newton", "exact", "limited-memory"] = "gauss-newton"
     linear_solver: str | None = "mumps"
     ipopt: Mapping[str, Any] = field(default_factory=dict)
+    alpha_rule: Literal["half-clearance", "stepped"] = added("half-clearance")
+    hessian_cutoff: float = added(0.0)
 
 
 @dataclass(frozen=True)

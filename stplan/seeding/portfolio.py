@@ -38,7 +38,7 @@ from stplan.seeding.search.mending import Mending
 from stplan.seeding.search.schedule import MOST_EFFORT, SOON_EFFORT, Search
 from stplan.seeding.search.sequential_dijkstra import SequentialDijkstra
 from stplan.seeding.seeder import Budget, Progress, SeedAttempt, Seeder, SeedRecord
-from stplan.seeding.shortcutting.shortcuts import prepare_seed
+from stplan.seeding.shortcutting.shortcuts import prepare_seed, resample
 from stplan.seeding.time_bounds import out_of_time
 
 # The method that chooses among the others.
@@ -178,6 +178,8 @@ class Portfolio:
     def _prepared(self, found: SeedAttempt, budget: Budget) -> list[FloatArray]:
         """The curves that were found, tightened where search found them, shortened and retimed."""
         settings = self.problem.scene.seeding
+        if not settings.shortcuts:
+            return resample(self.problem, found.curves, self.problem.scene.solver.knots)
         budget = replace(budget, deadline=budget.deadline + PREPARATION_TIME * settings.time_limit)
         curves = found.curves
         if settings.method != SequentialDijkstra.name and found.found_by != Relaxation.name:

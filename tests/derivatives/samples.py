@@ -8,6 +8,8 @@ from functools import partial
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.costs.contacts.smooth_minimum import SmoothMinimum
+from stplan.costs.contacts.wall_candidates import EdgeSearch
 from stplan.costs.limit import LimitBarrier, LimitPenalty
 from stplan.costs.terms.acceleration import Acceleration
 from stplan.costs.terms.acceleration_limit import AccelerationLimit, RestLimit
@@ -63,7 +65,7 @@ WEIGHTS = np.array([2.0, 3.0, 0.7])
 # The penalty's aim lies below some of the vectors and above others.
 PROFILES = (LimitBarrier(0.7, 0.9), LimitBarrier(0.7, np.inf), LimitPenalty(1.3, 0.4))
 REACHES = (1.5, np.inf)
-ALPHAS = (None, 8.0)
+SMOOTH = (None, SmoothMinimum(8.0))
 
 
 def _timing() -> Timing:
@@ -74,20 +76,22 @@ def _timing() -> Timing:
     return Timing(timed, aim, 1.7, LAYOUT.num_knots)
 
 
-def sample_collision(reach: float, alpha_0: float | None) -> Collision:
+def sample_collision(reach: float, smooth: SmoothMinimum | None) -> Collision:
     """All three rods of `sample_knots()`; the outer two are out of a finite reach."""
     reaches = np.full((3, 3), reach)
     if np.isfinite(reach):
         reaches[0, 2] = reaches[2, 0] = 0.3
-    return Collision(sample_knots(), RODS, sample_interactions(), 0.7, reaches, alpha_0=alpha_0)
+    return Collision(sample_knots(), RODS, sample_interactions(), 0.7, reaches, smooth=smooth)
 
 
-def sample_wall(reach: float, alpha_0: float | None) -> Wall:
+def sample_wall(
+    reach: float, smooth: SmoothMinimum | None, search: EdgeSearch | None = None
+) -> Wall:
     """The room and its pillar; the second agent minds no walls, the third is out of a finite reach."""
     reaches = np.array([reach, reach, 0.2 if np.isfinite(reach) else reach])
     return Wall(
         sample_knots(), LAYOUT, BOUNDARY, CORNERS, EDGES, RADII, np.array([1.0, 0.0, 2.0]), 0.7,
-        reaches, alpha_0=alpha_0,
+        reaches, smooth=smooth, search=search,
     )  # fmt: skip
 
 
@@ -97,9 +101,9 @@ def samples() -> dict[str, dict[str, Callable[[], Term]]]:
     starts = np.array([np.inf, 4.5, 6.5])
     links, within = np.array([[2, 8], [7, 14]]), np.array([5.5, 4.0])
     models = {
-        f"range {reach}, {'contacts' if alpha is None else 'smooth minimum'}": (reach, alpha)
+        f"range {reach}, {'contacts' if smooth is None else 'smooth minimum'}": (reach, smooth)
         for reach in REACHES
-        for alpha in ALPHAS
+        for smooth in SMOOTH
     }
     return {
         "kinetic": {"": lambda: Kinetic(LAYOUT, WEIGHTS, np.array([1.0, 5.0, 2.0]))},

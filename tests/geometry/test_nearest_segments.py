@@ -22,7 +22,7 @@ def test_as_if_all_pairs_were_compared(slack: float) -> None:
     begins = np.concatenate([[0], np.cumsum(counts)])
     pairs = [(0, 1), (0, 2), (1, 2)]
     ranges = np.array([[begins[a], begins[a + 1], begins[b], begins[b + 1]] for a, b in pairs])
-    found, group = near_minimum(positions, segments, ranges, slack)
+    found, group = near_minimum(positions, segments, ranges, np.full(len(ranges), slack))
     for g, (a0, a1, b0, b1) in enumerate(ranges):
         grid = np.meshgrid(np.arange(a0, a1), np.arange(b0, b1), indexing="ij")
         every = np.column_stack([axis.ravel() for axis in grid])

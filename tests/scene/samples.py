@@ -159,7 +159,7 @@ _FULL: dict[str, Any] = {
     "groups": [{"name": "walkers", "members": ["sam", "ann"], "grouping": 0.5}],
     "pairs": [
         {"between": ["sam", "ann"], "distance": 1.5, "meet": {"within": 2.0, "window": [3.0, 8.0]}},
-        {"between": ["sam", "all"], "grouping": 2.0},
+        {"between": ["sam", "all"], "grouping": 2.0, "collision": 3.0},
         {"between": [["sam", "ann"], "cart"], "collide": False},
     ],
     "seeding": {
@@ -168,6 +168,7 @@ _FULL: dict[str, Any] = {
         "margin": 1.1,
         "time_limit": 30.0,
         "rng_seed": 7,
+        "shortcuts": False,
     },
     "solver": {
         "knots": 30,
@@ -183,6 +184,8 @@ _FULL: dict[str, Any] = {
         "clearance_model": "smooth-minimum",
         "barrier_range": 0.4,
         "hessian": "exact",
+        "alpha_rule": "stepped",
+        "hessian_cutoff": 0.1,
         "linear_solver": "mumps",
         "ipopt": {"tol": 1.0e-6, "mu_strategy": "adaptive", "print_level": 3},
     },

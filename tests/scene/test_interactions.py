@@ -24,25 +24,28 @@ def crowd(rules: str) -> Scene:
 
 
 RULES = """{between: [all, all], collide: false}, {between: [[a1, a2, a5], all], collide: true},
- {between: [[a1, a4], [a4, a7]], distance: 0.7, grouping: 2}, {between: [a4, a7], distance: 0.5}"""
+ {between: [[a1, a4], [a4, a7]], distance: 0.7, grouping: 2}, {between: [a4, a7], distance: 0.5},
+ {between: [a0, [a3, a4]], collision: 2.5}, {between: [a0, a3], collide: true}"""
 
 
 def test_pair_by_pair() -> None:
     scene = crowd(RULES)
     settings = PairSettings(scene)
-    rows, columns = np.array([7, 1, 4]), np.array([4, 2, 1, 9, 7])
+    rows, columns = np.array([7, 1, 4, 0]), np.array([4, 2, 1, 9, 7, 3])
     found = settings.between(rows, columns)
     for r, a in enumerate(rows.tolist()):
         for c, b in enumerate(columns.tolist()):
             first, second = scene.agents[a], scene.agents[b]
             distance, grouping, collides = first.radius + second.radius, 0.0, True
+            weight = None
             for rule in scene.pairs:
                 here = (a in rule.left and b in rule.right) or (b in rule.left and a in rule.right)
                 if here:
                     distance = rule.distance or distance
                     grouping = rule.grouping or grouping
+                    weight = rule.collision or weight
                     collides = collides if rule.collide is None else rule.collide
-            weight = (first.weights.collision + second.weights.collision) / 2
+            weight = weight or (first.weights.collision + second.weights.collision) / 2
             assert found.distance[r, c] == distance
             assert found.grouping[r, c] == (0 if a == b else grouping)
             assert found.collision_weight[r, c] == weight

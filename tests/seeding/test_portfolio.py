@@ -166,3 +166,23 @@ def test_prescribed_paths_alone_need_no_seeding_in_any_map() -> None:
     world = "map: {rectangle: [0, 0, 10, 6]}\n"
     found = seed(parse_scene(f"stplan: 1\nhorizon: 20\n{world}{tram}"))
     assert found.world_lines.knots.tolist() == [[1.0, 1.0, 0.0], [8.0, 1.0, 20.0]]
+
+
+def test_without_shortcuts_a_seed_is_what_was_found() -> None:
+    """The paper's initial curves: along edges of the mesh, from layer to layer, with kinks and waits."""
+    scene = with_seeding(door(np.random.default_rng(1), per_side=2), method="dijkstra")
+    scene = replace(scene, solver=replace(scene.solver, knots=120))
+    raw, polished = seed(with_seeding(scene, shortcuts=False)), seed(scene)
+    problem = problem_of(scene)
+    found = SEEDERS["dijkstra"](problem).attempt(budget_of(scene)).curves
+    for knots, curve in zip(raw.world_lines.curves(), found, strict=True):
+        assert len(knots) >= 120
+        assert {tuple(row) for row in np.round(curve, 9)} <= {
+            tuple(row) for row in np.round(knots, 9)
+        }
+    assert not verify(problem, list(raw.world_lines.curves()))
+    costs = [
+        total_kinetic_cost(problem.masses, list(one.world_lines.curves()))
+        for one in (raw, polished)
+    ]
+    assert costs[0] > 1.2 * costs[1]

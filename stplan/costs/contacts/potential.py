@@ -88,12 +88,15 @@ class SmoothMinimumBarriers:
     Attributes:
         radius, weight, reach: as for `ContactBarriers`.
         sharpness: alpha, 1/m.
+        cutoff: contacts that weigh less than this part of their group's heaviest one have no part in the
+            semidefinite stand-in.
     """
 
     radius: FloatArray
     weight: FloatArray
     reach: FloatArray
     sharpness: FloatArray
+    cutoff: float = 0.0
 
     def coefficients(self, distance: FloatArray, contacts: ContactList) -> Coefficients:
         """The sum over groups."""
@@ -104,7 +107,7 @@ class SmoothMinimumBarriers:
         coupling = np.zeros(len(keys))
         value, least = _smooth_minimum_barriers(
             distance, contacts.starts, self.sharpness[keys], self.radius[keys], self.weight[keys],
-            self.reach[keys], slope, curvature, majorizer, coupling,
+            self.reach[keys], self.cutoff, slope, curvature, majorizer, coupling,
         )  # fmt: skip
         return Coefficients(value, least, slope, curvature, majorizer, coupling)
 
@@ -185,6 +188,7 @@ def _smooth_minimum_barriers(
     radius: FloatArray,
     weight: FloatArray,
     reach: FloatArray,
+    cutoff: float,
     slope: FloatArray,
     curvature: FloatArray,
     majorizer: FloatArray,
@@ -214,7 +218,8 @@ def _smooth_minimum_barriers(
             share = np.exp(-alpha[g] * (distance[k] - minimum)) / summed
             slope[k] = weight[g] * first * share
             curvature[k] = -weight[g] * alpha[g] * first * share
-            majorizer[k] = weight[g] * share * (second - alpha[g] * first * (1.0 - share))
+            if share * summed >= cutoff:
+                majorizer[k] = weight[g] * share * (second - alpha[g] * first * (1.0 - share))
     if least <= 0.0:
         total = np.inf
     return total, least

@@ -70,6 +70,7 @@ class RodCandidates:
         broad_phase: finds near pairs of segments.
         sharpness: (A * A,) 1/m of smooth minima, in which distant contacts do not weigh; None where
             every contact is felt on its own.
+        negligible: contacts further than this over alpha beyond the nearest do not weigh.
     """
 
     rods: Rods
@@ -77,6 +78,7 @@ class RodCandidates:
     reach: FloatArray
     broad_phase: BroadPhase = near_segments
     sharpness: FloatArray | None = None
+    negligible: float = NEGLIGIBLE
 
     @cached_property
     def axis_scale(self) -> FloatArray:
@@ -92,7 +94,7 @@ class RodCandidates:
         positions = self.positions(knots)
         contacts = self._contacts(self._near(positions, skin))
         if self.sharpness is not None:
-            contacts = weighty(contacts, positions, self.sharpness, skin)
+            contacts = weighty(contacts, positions, self.sharpness, skin, self.negligible)
         return contacts
 
     def renew(self, old: ContactSet, knots: FloatArray, moved: BoolArray) -> ContactSet:
@@ -137,7 +139,11 @@ class RodCandidates:
 
 
 def weighty(
-    contacts: ContactList, positions: FloatArray, sharpness: FloatArray, skin: float
+    contacts: ContactList,
+    positions: FloatArray,
+    sharpness: FloatArray,
+    skin: float,
+    negligible: float = NEGLIGIBLE,
 ) -> ContactList:
     """The contacts that weigh in their group's smooth minimum, now or after moving by half a skin.
 
@@ -148,5 +154,5 @@ def weighty(
         return contacts
     distance = measure(positions, contacts.points).distance
     least = np.minimum.reduceat(distance, contacts.starts[:-1])
-    limit = least + NEGLIGIBLE / sharpness[contacts.keys] + 2 * skin
+    limit = least + negligible / sharpness[contacts.keys] + 2 * skin
     return contacts.kept(distance < limit[contacts.members])

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+from typing import Literal
+
 import numpy as np
 
-from stplan.arrays import FloatArray, IntArray
+from stplan.arrays import FloatArray
 from stplan.compiled import kernel
 from stplan.costs.contacts.contact_set import ContactList
 
 # exp(-36) is below the rounding of a sum of order one.
 NEGLIGIBLE = 36.0
-# alpha is raised by this factor at a time.
-SHARPER = 1.3
+# alpha is raised by this factor at a time, or by this part of alpha_0.
+SHARPER, STEP = 1.3, 0.1
+
+AlphaRule = Literal["half-clearance", "stepped"]
 
 
 @kernel
@@ -21,52 +27,72 @@ def smooth_minimum(distance: FloatArray, alpha: float) -> float:
     return float(minimum - np.log(np.sum(np.exp(-alpha * (distance - minimum)))) / alpha)
 
 
-def choose_alpha(
-    distance: FloatArray, starts: IntArray, radius: FloatArray, alpha_0: float
-) -> FloatArray:
-    """Sharpness of every group, (G,) in 1/m: `alpha_0` raised until the model is usable.
+@dataclass(frozen=True)
+class SmoothMinimum:
+    """How rods' distances become one smooth distance.
 
-    The paper's heuristic raises alpha until the smooth distance is positive; the barrier needs
-    d > R, so here the underestimate log(sum)/alpha may be half the true clearance at most.
+    Attributes:
+        alpha_0: least sharpness, 1/m.
+        rule: how alpha is raised. "half-clearance" (by `SHARPER` a time, until the underestimate
+            log(sum) / alpha is at most half the true clearance), or "stepped", the paper's: by a tenth of
+            alpha_0 a time, until the smooth distance exceeds R, without which there is no logarithm.
+        cutoff: contacts that weigh less than this part of the heaviest one of their group have no part in
+            the sparse Hessian (the paper's sparsifying cutoff).
     """
-    alpha = np.full(len(radius), alpha_0)
-    for g in range(len(radius)):
-        members = distance[starts[g] : starts[g + 1]]
-        if not len(members):
-            continue
-        minimum = members.min()
-        while minimum > radius[g] and (
-            minimum - smooth_minimum(members, alpha[g]) > 0.5 * (minimum - radius[g])
-        ):
-            alpha[g] *= SHARPER
-    return alpha
+
+    alpha_0: float
+    rule: AlphaRule = "half-clearance"
+    cutoff: float = 0.0
+
+    @property
+    def curved(self) -> float:
+        """Contacts further than this over alpha beyond the nearest have no part in the sparse Hessian."""
+        return min(NEGLIGIBLE, -math.log(self.cutoff)) if self.cutoff > 0.0 else NEGLIGIBLE
+
+    def alpha(self, distance: FloatArray, radius: float) -> float:
+        """Sharpness (1/m) of a group with distances (n,) m that has to keep `radius`, m.
+
+        Where something touches no sharpness helps: `alpha_0`.
+        """
+        alpha, minimum = self.alpha_0, float(distance.min())
+        steps = 0
+        while minimum > radius:
+            smooth = smooth_minimum(distance, alpha)
+            if self.rule == "stepped":
+                if smooth > radius:
+                    break
+                steps += 1
+                alpha = self.alpha_0 * (1.0 + STEP * steps)
+            else:
+                if minimum - smooth <= 0.5 * (minimum - radius):
+                    break
+                alpha *= SHARPER
+        return alpha
+
+    def sharpened(
+        self, kept: FloatArray, contacts: ContactList, distance: FloatArray, radius: FloatArray
+    ) -> FloatArray:
+        """`kept` sharpness by key (1/m), chosen where it is nan and the group has contacts.
+
+        Args:
+            distance: (C,) m, of all contacts that weigh.
+            radius: by key, m.
+        """
+        result = kept.copy()
+        for g in np.flatnonzero(np.isnan(kept[contacts.keys])).tolist():
+            key = contacts.keys[g]
+            members = distance[contacts.starts[g] : contacts.starts[g + 1]]
+            result[key] = self.alpha(members, float(radius[key]))
+        return result
 
 
-def sharpened(
-    kept: FloatArray,
-    contacts: ContactList,
-    distance: FloatArray,
-    radius: FloatArray,
-    alpha_0: float,
+def weighing_reach(
+    num_contacts: FloatArray, alpha: FloatArray, negligible: float = NEGLIGIBLE
 ) -> FloatArray:
-    """`kept` sharpness by key (1/m), chosen where it is nan and the group has contacts.
-
-    Args:
-        distance: (C,) m, of all contacts that weigh.
-        radius: by key, m.
-    """
-    chosen = choose_alpha(distance, contacts.starts, radius[contacts.keys], alpha_0)
-    new = np.isnan(kept[contacts.keys])
-    result = kept.copy()
-    result[contacts.keys[new]] = chosen[new]
-    return result
-
-
-def weighing_reach(num_contacts: FloatArray, alpha: FloatArray) -> FloatArray:
     """How much further than where its barrier begins a contact still weighs in a smooth minimum, m.
 
     The minimum of n distances is underestimated by up to log(n) / alpha, and contacts weigh up to
-    `NEGLIGIBLE` / alpha beyond the nearest.
+    `negligible` / alpha beyond the nearest.
     """
-    reach: FloatArray = (np.log(np.maximum(num_contacts, 1.0)) + NEGLIGIBLE) / alpha
+    reach: FloatArray = (np.log(np.maximum(num_contacts, 1.0)) + negligible) / alpha
     return reach

@@ -11,8 +11,13 @@ import numpy as np
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.costs.contacts.contact_set import ContactList, ContactSet, distinct
 from stplan.costs.contacts.rod_candidates import weighty
+from stplan.costs.contacts.smooth_minimum import NEGLIGIBLE
 from stplan.geometry.contacts import measure
+from stplan.geometry.wall_distances import least_wall_distance
 from stplan.problem.layout import KnotLayout
+
+# The nearest wall is looked for within this part of the map's extent first.
+FIRST_LOOK = 256.0
 
 
 class EdgeSearch(Protocol):
@@ -103,10 +108,32 @@ class WallCandidates:
     def _near(self, knots: FloatArray, skin: float) -> IntArray:
         starts = np.ascontiguousarray(knots[self.segments, :2])
         ends = np.ascontiguousarray(knots[self.segments + 1, :2])
-        reach = (self.reach + skin)[self.layout.agent_of_knot[self.segments]]
+        agents = self.layout.agent_of_knot[self.segments]
+        reach = self.reach
+        if not np.isfinite(reach).all() and self.sharpness is not None:
+            reach = self._weighing_reach(starts, ends, agents, self.sharpness) + 2 * skin
+        reach = (reach + skin)[agents]
         if np.isfinite(reach).all():
             return self.search.near(starts, ends, reach)
         return AllEdges(len(self.edges)).near(starts, ends, reach)
+
+    def _weighing_reach(
+        self, starts: FloatArray, ends: FloatArray, agents: IntArray, sharpness: FloatArray
+    ) -> FloatArray:
+        """(A,) m, how far edges may be that weigh in the smooth minimum of an agent without a reach."""
+        walls = self.vertices[self.edges].reshape(-1, 4)
+        first_look = float(np.linalg.norm(np.ptp(self.vertices, axis=0))) / FIRST_LOOK
+        result = self.reach.copy()
+        for agent in np.unique(agents[np.isinf(self.reach[agents])]).tolist():
+            own = agents == agent
+            heads, tails = starts[own], ends[own]
+            reach, least = first_look, np.inf
+            while least >= reach:
+                reach *= 2.0
+                near = self.search.near(heads, tails, np.full(len(heads), reach))
+                least = least_wall_distance(heads, tails, near, walls)
+            result[agent] = least + NEGLIGIBLE / sharpness[agent]
+        return result
 
 
 def _unique_rows(left: IntArray, right: IntArray) -> IntArray:

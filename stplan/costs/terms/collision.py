@@ -7,18 +7,19 @@ Both use exact distances of segments, so that nothing passes between samples.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stplan.arrays import FloatArray
+from stplan.arrays import BoolArray, FloatArray
 from stplan.costs.contacts.blocks import ContactBlocks, DenseCoupling, near_blocks
-from stplan.costs.contacts.contact_set import ContactSet
+from stplan.costs.contacts.contact_set import Candidates, ContactSet
 from stplan.costs.contacts.contact_term import ContactModel, ContactTerm
+from stplan.costs.contacts.nearest_candidates import NearestCandidates
 from stplan.costs.contacts.passage import rods_stay_apart
 from stplan.costs.contacts.potential import ContactBarriers, Potential, SmoothMinimumBarriers
 from stplan.costs.contacts.rod_candidates import BroadPhase, RodCandidates
-from stplan.costs.contacts.smooth_minimum import sharpened, weighing_reach
+from stplan.costs.contacts.smooth_minimum import NEGLIGIBLE, SmoothMinimum, weighing_reach
 from stplan.costs.formulation import TermSetup
 from stplan.costs.registry import register
 from stplan.geometry.contacts import measure
@@ -41,7 +42,7 @@ class Collision(ContactTerm):
         interactions: who collides, at which distance, how strongly.
         mu: barrier weight.
         reach: (A, A) clearance in m at which repulsion starts, inf for the unbounded logarithm.
-        alpha_0: least sharpness in 1/m of the smooth minimum, None for the model of contacts.
+        smooth: the smooth minimum, None for the model of contacts.
         sharpness: (A * A,) kept from an earlier program by a A + b, nan where not chosen yet.
         broad_phase: finds near pairs of segments.
     """
@@ -57,34 +58,40 @@ class Collision(ContactTerm):
         mu: float,
         reach: FloatArray,
         *,
-        alpha_0: float | None = None,
+        smooth: SmoothMinimum | None = None,
         sharpness: FloatArray | None = None,
         broad_phase: BroadPhase = near_segments,
     ) -> None:
         collides, distance = interactions.collides, interactions.distance
         self._rods, self._interactions = rods, interactions
         self._sharpness: FloatArray | None = None
-        candidates = RodCandidates(rods, collides, distance + reach, broad_phase)
+        candidates: Candidates = RodCandidates(rods, collides, distance + reach, broad_phase)
         radius, weight = distance.ravel(), (mu * interactions.collision_weight).ravel()
         felt = reach[collides & np.isfinite(reach)]
         widest = float(distance[collides].max(initial=1.0))
         skin = 0.5 * (float(felt.max()) if len(felt) else widest)
         potential: Potential = ContactBarriers(radius, weight, reach.ravel())
-        if alpha_0 is not None:
+        curved = candidates
+        if smooth is not None:
             kept = np.full(reach.size, np.nan) if sharpness is None else sharpness
-            candidates = _weighing(candidates, np.where(np.isnan(kept), alpha_0, kept))
+            weighing = _Weighing(rods, collides, distance + reach, broad_phase)
+            candidates = weighing.candidates(np.where(np.isnan(kept), smooth.alpha_0, kept))
             near = candidates.find(knots, LIST_SKIN * skin)
             gaps = measure(candidates.positions(knots), near.points).distance
-            self._sharpness = sharpened(kept, near, gaps, radius, alpha_0)
-            alpha = np.where(np.isnan(self._sharpness), alpha_0, self._sharpness)
-            candidates = replace(candidates, sharpness=alpha)
-            potential = SmoothMinimumBarriers(radius, weight, reach.ravel(), alpha)
-        wide = candidates.find(knots, skin)
-        blocks = ContactBlocks(near_blocks(wide, len(knots)), len(knots), dimension=3)
-        coupling = None if alpha_0 is None else DenseCoupling(wide, len(knots), dimension=3)
+            self._sharpness = smooth.sharpened(kept, near, gaps, radius)
+            alpha = np.where(np.isnan(self._sharpness), smooth.alpha_0, self._sharpness)
+            candidates = weighing.candidates(alpha)
+            curved = weighing.candidates(alpha, smooth.curved)
+            potential = SmoothMinimumBarriers(
+                radius, weight, reach.ravel(), alpha, cutoff=smooth.cutoff
+            )
+        blocks = near_blocks(curved.find(knots, skin), len(knots))
+        coupling = None
+        if smooth is not None:
+            coupling = DenseCoupling(candidates.find(knots, skin), len(knots), dimension=3)
         super().__init__(
             ContactSet.fresh(candidates, knots, LIST_SKIN * skin),
-            ContactModel(potential, blocks, coupling),
+            ContactModel(potential, ContactBlocks(blocks, len(knots), dimension=3), coupling),
         )
 
     @classmethod
@@ -97,7 +104,7 @@ class Collision(ContactTerm):
         padded = replace(interactions, distance=interactions.distance * (1 + formulation.padding))
         return cls(
             setup.knots, formulation.rods, padded, setup.mu, formulation.scales.pair_reach,
-            alpha_0=formulation.alpha_0, sharpness=setup.sharpness.get(cls.name),
+            smooth=formulation.smooth_minimum, sharpness=setup.sharpness.get(cls.name),
         )  # fmt: skip
 
     @property
@@ -111,11 +118,34 @@ class Collision(ContactTerm):
         return rods_stay_apart(self._rods, start, end, pairs.collides, pairs.distance)
 
 
-def _weighing(candidates: RodCandidates, alpha: FloatArray) -> RodCandidates:
-    """Candidates that reach as far as contacts weigh in smooth minima of sharpness `alpha` (A * A,)."""
-    num_agents = len(candidates.reach)
-    segments = np.bincount(candidates.rods.agents, minlength=num_agents).astype(np.float64)
-    further = weighing_reach(np.outer(segments, segments), alpha.reshape(num_agents, num_agents))
-    # Sharpness is kept for a < b; the broad phase asks in either order.
-    further = np.triu(further) + np.triu(further, 1).T
-    return replace(candidates, reach=candidates.reach + further, sharpness=alpha)
+@dataclass(frozen=True)
+class _Weighing:
+    """Who weighs in smooth minima.
+
+    Attributes:
+        reach: (A, A) m, where a pair's barrier begins; inf for the logarithm without an end, which only
+            the nearest segments weigh in, however far they are.
+    """
+
+    rods: Rods
+    collides: BoolArray
+    reach: FloatArray
+    broad_phase: BroadPhase
+
+    def candidates(self, alpha: FloatArray, negligible: float = NEGLIGIBLE) -> Candidates:
+        """Contacts up to `negligible` over `alpha` (A * A,) in 1/m beyond the nearest of their pair."""
+        num_agents = len(self.reach)
+        # Sharpness is kept for a < b; the broad phase asks in either order.
+        if not np.isfinite(self.reach[self.collides]).all():
+            pairs = np.column_stack(np.nonzero(np.triu(self.collides)))
+            own = alpha[pairs[:, 0] * num_agents + pairs[:, 1]]
+            return NearestCandidates(
+                self.rods, pairs, num_agents, own, tails=True, negligible=negligible
+            )
+        segments = np.bincount(self.rods.agents, minlength=num_agents).astype(np.float64)
+        counts = np.outer(segments, segments)
+        further = weighing_reach(counts, alpha.reshape(num_agents, num_agents), negligible)
+        further = np.triu(further) + np.triu(further, 1).T
+        return RodCandidates(
+            self.rods, self.collides, self.reach + further, self.broad_phase, alpha, negligible
+        )

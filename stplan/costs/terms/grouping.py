@@ -13,7 +13,7 @@ from stplan.arrays import FloatArray
 from stplan.costs.contacts.blocks import ContactBlocks, DenseCoupling, near_blocks
 from stplan.costs.contacts.contact_set import ContactSet
 from stplan.costs.contacts.contact_term import ContactModel, ContactTerm
-from stplan.costs.contacts.friend_candidates import FriendCandidates
+from stplan.costs.contacts.nearest_candidates import NearestCandidates
 from stplan.costs.contacts.potential import QuadraticPull
 from stplan.costs.formulation import TermSetup
 from stplan.costs.registry import register
@@ -41,7 +41,10 @@ class Grouping(ContactTerm):
     ) -> None:
         grouping, distance = interactions.grouping, interactions.distance
         pairs = np.column_stack(np.nonzero(np.triu(grouping)))
-        candidates = FriendCandidates(rods, pairs, len(grouping), alpha)
+        # Friends are drawn together on their way, not after one has arrived.
+        candidates = NearestCandidates(
+            rods, pairs, len(grouping), np.full(len(pairs), alpha), tails=False
+        )
         typical = float(distance[grouping > 0].max(initial=1.0))
         wide = candidates.find(knots, 2 * typical)
         super().__init__(

@@ -17,7 +17,7 @@ from stplan.costs.contacts.contact_set import ContactSet
 from stplan.costs.contacts.contact_term import ContactModel, ContactTerm
 from stplan.costs.contacts.passage import walls_stay_clear
 from stplan.costs.contacts.potential import ContactBarriers, Potential, SmoothMinimumBarriers
-from stplan.costs.contacts.smooth_minimum import sharpened, weighing_reach
+from stplan.costs.contacts.smooth_minimum import SmoothMinimum, weighing_reach
 from stplan.costs.contacts.wall_candidates import EdgeSearch, WallCandidates
 from stplan.costs.formulation import TermSetup
 from stplan.costs.registry import register
@@ -42,7 +42,7 @@ class Wall(ContactTerm):
         weights: (A,) K^M; 0 switches an agent's walls off.
         mu: barrier weight.
         reach: (A,) clearance in m at which repulsion starts, inf for the unbounded logarithm.
-        alpha_0: least sharpness in 1/m of the smooth minimum, None for the model of contacts.
+        smooth: the smooth minimum, None for the model of contacts.
         sharpness: (A,) kept from an earlier program, nan where not chosen yet.
         search: finds near edges, the grid by default.
     """
@@ -62,7 +62,7 @@ class Wall(ContactTerm):
         mu: float,
         reach: FloatArray,
         *,
-        alpha_0: float | None = None,
+        smooth: SmoothMinimum | None = None,
         sharpness: FloatArray | None = None,
         search: EdgeSearch | None = None,
     ) -> None:
@@ -79,19 +79,21 @@ class Wall(ContactTerm):
         skin = 0.5 * (float(felt.max()) if len(felt) else float(radii.max()))
         potential: Potential = ContactBarriers(radii, mu * weights, reach)
         coupling = None
-        if alpha_0 is not None:
+        if smooth is not None:
             kept = np.full(reach.size, np.nan) if sharpness is None else sharpness
-            alpha = np.where(np.isnan(kept), alpha_0, kept)
+            alpha = np.where(np.isnan(kept), smooth.alpha_0, kept)
             each = len(boundary_edges) + len(boundary_vertices)
             contacts = (layout.num_segments * each).astype(np.float64)
             further = weighing_reach(contacts, alpha)
             candidates = replace(candidates, reach=radii + reach + further, sharpness=alpha)
             near = candidates.find(knots, skin)
             gaps = measure(candidates.positions(knots), near.points).distance
-            self._sharpness = sharpened(kept, near, gaps, radii, alpha_0)
-            alpha = np.where(np.isnan(self._sharpness), alpha_0, self._sharpness)
+            self._sharpness = smooth.sharpened(kept, near, gaps, radii)
+            alpha = np.where(np.isnan(self._sharpness), smooth.alpha_0, self._sharpness)
             candidates = replace(candidates, sharpness=alpha)
-            potential = SmoothMinimumBarriers(radii, mu * weights, reach, alpha)
+            potential = SmoothMinimumBarriers(
+                radii, mu * weights, reach, alpha, cutoff=smooth.cutoff
+            )
             coupling = DenseCoupling(candidates.find(knots, skin), len(knots), dimension=2)
         super().__init__(
             ContactSet.fresh(candidates, knots, skin),
@@ -112,7 +114,7 @@ class Wall(ContactTerm):
             problem.free_space.boundary_vertices, problem.free_space.boundary_edges,
             problem.radii * (1 + formulation.padding), weights, setup.mu,
             formulation.scales.wall_reach,
-            alpha_0=formulation.alpha_0, sharpness=setup.sharpness.get(cls.name),
+            smooth=formulation.smooth_minimum, sharpness=setup.sharpness.get(cls.name),
         )  # fmt: skip
 
     @property

@@ -56,6 +56,9 @@ class PairSettingsFile(_Model):
     grouping: Annotated[NotNegative | None, _GIVEN] = _key(
         "K^G, above 0 it draws the pair together"
     )
+    collision: Annotated[Factor | None, _GIVEN] = _key(
+        "K^C of the pair, instead of the mean of both agents'"
+    )
     collide: Annotated[bool | None, _GIVEN] = _key("false lets the pair pass through each other")
     meet: Annotated[MeetFile | None, _GIVEN] = _key("the two have to meet")
 
@@ -96,6 +99,9 @@ class SeedingFile(_Model):
     rng_seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = Field(
         _SEEDING.rng_seed, description="seed of the random generator"
     )
+    shortcuts: bool = Field(
+        _SEEDING.shortcuts, description="shorten and retime what was found; false: as it was found"
+    )
 
 
 class SolverFile(_Model):
@@ -133,6 +139,9 @@ class SolverFile(_Model):
     alpha: Positive = Field(
         _SOLVER.alpha, description="alpha_0, sharpness of the smooth minimum distance, 1/m"
     )
+    alpha_rule: Literal["half-clearance", "stepped"] = Field(
+        _SOLVER.alpha_rule, description="how alpha is raised above alpha_0; stepped is the paper's"
+    )
     clearance_model: Literal["contacts", "smooth-minimum"] = Field(
         _SOLVER.clearance_model, description="how clearances enter; smooth-minimum is the paper's"
     )
@@ -141,6 +150,10 @@ class SolverFile(_Model):
     )
     hessian: Literal["gauss-newton", "exact", "limited-memory"] = Field(
         _SOLVER.hessian, description="second derivatives given to Ipopt"
+    )
+    hessian_cutoff: Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)] = Field(
+        _SOLVER.hessian_cutoff,
+        description="least share in a smooth minimum that counts in the Gauss-Newton Hessian",
     )
     linear_solver: Annotated[
         str, Field(min_length=1, max_length=40, pattern=r"^[a-z][a-z0-9-]*$")
@@ -157,6 +170,9 @@ class SceneFile(_Model):
     ] = _key("name of the output folder; default: the file's stem")
     description: Annotated[str, Field(max_length=10_000)] = Field(
         "", description="one line that says what the scene shows"
+    )
+    preset: Annotated[Literal["paper"] | None, _GIVEN] = _key(
+        "whose defaults time_scale, seeding and solver have; paper: as the paper prints its recipe"
     )
     map: Annotated[MapFile | None, _GIVEN] = _key("where agents may be; default: the open plane")
     horizon: Annotated[Positive | None, _GIVEN] = _key(

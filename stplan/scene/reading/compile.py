@@ -24,6 +24,7 @@ from stplan.scene.format.agents import (
 )
 from stplan.scene.format.file import GroupFile, PairFile, SceneFile
 from stplan.scene.model import Agent, Scene, SeedingSettings, SolverSettings
+from stplan.scene.presets import PRESETS
 from stplan.scene.reading.faults import Hints
 from stplan.scene.reading.merge import merged_agent
 from stplan.scene.reading.overlaps import overlap_faults
@@ -133,6 +134,7 @@ def compile_scene(
     for name in file.solver.ipopt:
         if name in REFUSED_OPTIONS:
             faults.append((f"solver.ipopt.{name}", f"is refused: {REFUSED_OPTIONS[name]}"))
+    preset = None if file.preset is None else PRESETS[file.preset]
     scene = Scene(
         name=file.name or default_name,
         description=file.description,
@@ -142,11 +144,13 @@ def compile_scene(
         horizon=max((agent.max_time for agent in agents), default=1.0)
         if file.horizon is None
         else file.horizon,
-        time_scale=file.time_scale,
+        time_scale=file.time_scale
+        if preset is None or "time_scale" in file.model_fields_set
+        else preset.time_scale,
         agents=tuple(agents),
         pairs=tuple(placed.rule for placed in rules),
-        seeding=SeedingSettings(**_settings(file.seeding)),
-        solver=SolverSettings(**_settings(file.solver)),
+        seeding=SeedingSettings(**_settings(file.seeding, preset.seeding if preset else {})),
+        solver=SolverSettings(**_settings(file.solver, preset.solver if preset else {})),
         locations=locations,
         overridden=overridden,
         agent_paths=tuple(one.path for one in listed),
@@ -157,14 +161,18 @@ def compile_scene(
     return scene, faults
 
 
-def _settings(part: BaseModel) -> dict[str, Any]:
-    """Keys and values, words replaced by what they mean to the rest of the package."""
+def _settings(part: BaseModel, preset: Mapping[str, Any]) -> dict[str, Any]:
+    """Keys and values, words replaced by what they mean to the rest of the package.
+
+    Keys that the file leaves out are as a `preset` has them.
+    """
     meaning = {"auto": None, "inf": float("inf")}
     values = {key: getattr(part, key) for key in type(part).model_fields}
-    return {
+    said = {
         key: meaning[value] if key != "method" and value in ("auto", "inf") else value
         for key, value in values.items()
     }
+    return said | {key: preset[key] for key in preset.keys() - part.model_fields_set}
 
 
 def _listed(parts: Parts, directory: Path, faults: list[Fault]) -> list[Listed]:

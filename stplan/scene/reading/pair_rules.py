@@ -56,7 +56,7 @@ def group_rules(
             else:
                 names[group.name] = members
         elif not _changes(group):
-            text = "changes nothing; distance, grouping, collide, meet or a name is expected"
+            text = "changes nothing; distance, grouping, collision, collide, meet or a name is expected"
             faults.append((path, text))
         if _changes(group):
             rules.append(Placed(path, _rule(members, members, group, f"{path}.meet", faults)))
@@ -89,7 +89,9 @@ def pair_rules(
         if len(left) == 1 and left == right:
             faults.append((f"{path}.between", "is an agent and itself; two agents are expected"))
         if not _changes(entry):
-            faults.append((path, "changes nothing; distance, grouping or collide is expected"))
+            faults.append(
+                (path, "changes nothing; distance, grouping, collision or collide is expected")
+            )
         rules.append(Placed(path, _rule(left, right, entry, f"{path}.meet", faults)))
     return rules
 
@@ -125,7 +127,9 @@ def _rule(
         text = f"is asked of {len(left) * len(right)} pairs; at most {MOST_MEETINGS} are expected"
         faults.append((path, text))
         meet = None
-    return PairRule(left, right, entry.distance, entry.grouping, entry.collide, meet)
+    return PairRule(
+        left, right, entry.distance, entry.grouping, entry.collide, meet, entry.collision
+    )
 
 
 def _meet(entry: MeetFile, path: str, faults: list[Fault]) -> Meet:

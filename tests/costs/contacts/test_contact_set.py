@@ -9,7 +9,7 @@ import pytest
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.costs.contacts.contact_set import Candidates, ContactList, ContactSet, distinct
-from stplan.costs.contacts.friend_candidates import FriendCandidates
+from stplan.costs.contacts.nearest_candidates import NearestCandidates
 from stplan.costs.contacts.rod_candidates import MANY, RodCandidates, brute_force
 from stplan.costs.contacts.smooth_minimum import NEGLIGIBLE
 from stplan.costs.contacts.wall_candidates import AllEdges, WallCandidates
@@ -39,8 +39,8 @@ def walls(sharpness: float | None = None) -> WallCandidates:
     return WallCandidates(LAYOUT, LAYOUT.segment, CORNERS, EDGES, reach, BOUNDARY, alpha)
 
 
-def friends() -> FriendCandidates:
-    return FriendCandidates(RODS, np.array([[0, 1], [0, 2]]), 3, 30.0)
+def friends() -> NearestCandidates:
+    return NearestCandidates(RODS, np.array([[0, 1], [0, 2]]), 3, np.full(2, 30.0), tails=False)
 
 
 CASES: dict[str, tuple[Candidates, Candidates]] = {
@@ -108,7 +108,7 @@ def test_friends_far_apart_are_listed_with_all_that_weigh() -> None:
             mine, others = (own[LAYOUT.agent_of_segment == agent] for agent in (a, b))
             pairs = np.array([[*one, *other] for one in mine for other in others])
             distance = measure(candidates.positions(knots), pairs).distance
-            weighty = pairs[distance < distance.min() + NEGLIGIBLE / candidates.sharpness]
+            weighty = pairs[distance < distance.min() + NEGLIGIBLE / 30.0]
             assert len(weighty)
             assert {tuple(points) for points in weighty.tolist()} <= listed
     assert renewals > 5

@@ -7,8 +7,13 @@ import pytest
 
 from stplan.arrays import FloatArray
 from stplan.costs.contacts.contact_term import ContactTerm
+from stplan.costs.contacts.rod_candidates import RodCandidates
+from stplan.costs.contacts.smooth_minimum import SmoothMinimum
+from stplan.costs.contacts.wall_candidates import AllEdges
 from stplan.costs.terms.grouping import Grouping
+from stplan.geometry.contacts import measure
 from tests.derivatives.samples import (
+    EDGES,
     RODS,
     sample_collision,
     sample_interactions,
@@ -20,9 +25,12 @@ from tests.derivatives.samples import (
 def terms() -> dict[str, ContactTerm]:
     return {
         "collision": sample_collision(1.5, None),
-        "smooth collision": sample_collision(1.5, 8.0),
+        "smooth collision": sample_collision(1.5, SmoothMinimum(8.0)),
+        "endless collision": sample_collision(np.inf, SmoothMinimum(8.0)),
+        "sparse collision": sample_collision(np.inf, SmoothMinimum(8.0, "stepped", 0.2)),
         "wall": sample_wall(1.5, None),
-        "smooth wall": sample_wall(1.5, 8.0),
+        "smooth wall": sample_wall(1.5, SmoothMinimum(8.0)),
+        "endless wall": sample_wall(np.inf, SmoothMinimum(8.0)),
         "grouping": Grouping(sample_knots(), RODS, sample_interactions(), 3.0),
     }
 
@@ -87,3 +95,30 @@ def test_contacts_that_miss_the_structure_are_stale_once_they_are_felt() -> None
     change = term.value(nearer + 1e-6 * step) - term.value(nearer - 1e-6 * step)
     assert change / 2e-6 == pytest.approx(float((gradient * step).sum()), rel=1e-5)
     assert not sample_wall(0.4, None).is_stale(nearer), "walls have room for every segment"
+
+
+def test_the_endless_logarithm_of_the_smooth_minimum_is_that_over_all_segments() -> None:
+    alpha, interactions = 60.0, sample_interactions()
+    term = sample_collision(np.inf, SmoothMinimum(alpha))
+    candidates = RodCandidates(RODS, interactions.collides, np.full((3, 3), np.inf))
+    for knots in walk():
+        every = candidates.find(knots, 0.0)
+        distance = measure(RODS.positions(knots), every.points).distance
+        total = 0.0
+        for key, low, high in zip(every.keys, every.starts, every.starts[1:], strict=False):
+            a, b = divmod(int(key), 3)
+            sharpness = term.sharpness[key]
+            smooth = -np.log(np.exp(-sharpness * distance[low:high]).sum()) / sharpness
+            clearance = smooth - interactions.distance[a, b]
+            weight = 0.7 * interactions.collision_weight[a, b]
+            total += np.inf if clearance <= 0 else -weight * np.log(clearance)
+        assert len(every.points) > len(term.renewed(knots).contacts.points)
+        assert term.value(knots) == pytest.approx(total, rel=1e-12)
+
+
+def test_the_endless_logarithm_at_walls_is_that_over_all_edges() -> None:
+    term = sample_wall(np.inf, SmoothMinimum(8.0))
+    brute = sample_wall(np.inf, SmoothMinimum(8.0), AllEdges(len(EDGES)))
+    far = sample_knots() * [0.05, 0.05, 1.0] + [0.4, 0.4, 0.0]
+    for knots in [*walk(), far]:
+        assert same(answers(term, knots)[:2], answers(brute, knots)[:2])

@@ -16,8 +16,7 @@ from stplan.costs.contacts.potential import (
     SmoothMinimumBarriers,
 )
 from stplan.costs.contacts.smooth_minimum import (
-    choose_alpha,
-    sharpened,
+    SmoothMinimum,
     smooth_minimum,
     weighing_reach,
 )
@@ -64,11 +63,10 @@ def test_smooth_minimum_underestimates_and_does_not_overflow() -> None:
 
 def test_alpha_is_raised_until_half_the_clearance_is_left() -> None:
     distance = np.full(100, 1.02)
-    starts = np.array([0, 100])
-    alpha = choose_alpha(distance, starts, np.array([1.0]), 50.0)
-    assert alpha[0] > 50
-    assert smooth_minimum(distance, alpha[0]) - 1.0 >= 0.01 - 1e-12
-    assert choose_alpha(np.array([9.0]), np.array([0, 1]), np.array([1.0]), 50.0)[0] == 50
+    alpha = SmoothMinimum(50.0).alpha(distance, 1.0)
+    assert alpha > 50
+    assert smooth_minimum(distance, alpha) - 1.0 >= 0.01 - 1e-12
+    assert SmoothMinimum(50.0).alpha(np.array([9.0]), 1.0) == 50
 
 
 def test_touching_is_infinite() -> None:
@@ -116,11 +114,11 @@ def test_friends_are_drawn_to_where_they_touch() -> None:
 def test_sharpness_is_chosen_once_and_only_for_who_is_there() -> None:
     contacts = ContactList.grouped(np.zeros((100, 4), dtype=np.int64), np.full(100, 1))
     radius, kept = np.ones(3), np.array([np.nan, np.nan, 70.0])
-    chosen = sharpened(kept, contacts, np.full(100, 1.02), radius, 50.0)
+    chosen = SmoothMinimum(50.0).sharpened(kept, contacts, np.full(100, 1.02), radius)
     assert np.isnan(chosen[0])
     assert chosen[1] > 50.0
     assert chosen[2] == 70.0
-    again = sharpened(chosen, contacts, np.full(100, 1.001), radius, 50.0)
+    again = SmoothMinimum(50.0).sharpened(chosen, contacts, np.full(100, 1.001), radius)
     assert np.array_equal(again, chosen, equal_nan=True)
 
 
@@ -133,3 +131,25 @@ def test_contacts_out_of_the_weighing_reach_weigh_nothing() -> None:
     whole = smooth_minimum(distances, alpha)
     assert whole == pytest.approx(reach, abs=1e-3)
     assert smooth_minimum(distances[:-1], alpha) - whole <= 1e-15
+
+
+def test_the_stepped_rule_stops_at_the_first_step_that_gives_a_logarithm() -> None:
+    distance = np.full(100, 1.02)
+    alpha = SmoothMinimum(50.0, rule="stepped").alpha(distance, 1.0)
+    steps = round((alpha / 50.0 - 1.0) / 0.1)
+    assert steps > 10
+    assert alpha == pytest.approx(50.0 * (1.0 + 0.1 * steps))
+    assert smooth_minimum(distance, alpha) > 1.0
+    assert smooth_minimum(distance, 50.0 * (1.0 + 0.1 * (steps - 1))) <= 1.0
+    assert SmoothMinimum(50.0, rule="stepped").alpha(np.full(100, 0.9), 1.0) == 50.0
+
+
+def test_the_cutoff_takes_light_contacts_out_of_the_stand_in_alone() -> None:
+    whole = summed(SmoothMinimumBarriers(ONE, ONE, ONE, 5 * ONE), [1.3, 1.5, 1.7])
+    sparse = summed(SmoothMinimumBarriers(ONE, ONE, ONE, 5 * ONE, cutoff=0.2), [1.3, 1.5, 1.7])
+    shares = np.exp(-5 * np.array([0.0, 0.2, 0.4]))
+    assert (sparse.majorizer > 0).tolist() == (shares >= 0.2).tolist() == [True, True, False]
+    assert np.array_equal(sparse.majorizer[:2], whole.majorizer[:2])
+    assert sparse.value == whole.value
+    assert np.array_equal(sparse.slope, whole.slope)
+    assert np.array_equal(sparse.curvature, whole.curvature)

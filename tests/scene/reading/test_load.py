@@ -66,6 +66,7 @@ def test_defaults():
         "margin": 1.05,
         "time_limit": 60,
         "rng_seed": 0,
+        "shortcuts": True,
     }
     assert dataclasses.asdict(scene.solver) == {
         "knots": None,
@@ -84,6 +85,8 @@ def test_defaults():
         "hessian": "gauss-newton",
         "linear_solver": "mumps",
         "ipopt": {},
+        "alpha_rule": "half-clearance",
+        "hessian_cutoff": 0.0,
     }
 
 

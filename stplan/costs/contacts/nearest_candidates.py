@@ -1,4 +1,7 @@
-"""Which segments of grouped rods weigh in their distance, however far apart they are."""
+"""Which segments of two rods weigh in their smooth minimum distance, however far apart they are.
+
+For costs without a reach: the pull of friends, and the paper's logarithm, which has no end.
+"""
 
 from __future__ import annotations
 
@@ -15,20 +18,24 @@ from stplan.problem.rods import Rods
 
 
 @dataclass(frozen=True)
-class FriendCandidates:
+class NearestCandidates:
     """Pairs of segments hardly further apart than the nearest ones of their two rods.
 
     Attributes:
         rods: segments and tails.
-        pairs: (G, 2) grouped agents a < b, sorted.
+        pairs: (G, 2) agents a < b, sorted.
         num_agents: A.
-        sharpness: alpha, 1/m.
+        sharpness: (G,) alpha, 1/m.
+        tails: whether agents are there after they have arrived, too.
+        negligible: contacts further than this over alpha beyond the nearest are left out.
     """
 
     rods: Rods
     pairs: IntArray
     num_agents: int
-    sharpness: float
+    sharpness: FloatArray
+    tails: bool
+    negligible: float = NEGLIGIBLE
 
     @cached_property
     def axis_scale(self) -> FloatArray:
@@ -36,14 +43,23 @@ class FriendCandidates:
         return np.array([1.0, 1.0, self.rods.time_scale])
 
     @cached_property
-    def _ranges(self) -> IntArray:
-        """(G, 4) segments of one and the other rod of every pair.
+    def _segments(self) -> IntArray:
+        """(S, 2) segments sorted by agent, in the order of time."""
+        return np.ascontiguousarray(self.rods.segments[self._order])
 
-        Tails are left out: friends are drawn together on their way, not after one has arrived.
-        """
-        own = self.rods.agents[: len(self.rods.segments) - len(self.rods.tail_ends)]
-        begin = np.searchsorted(own, np.arange(self.num_agents))
-        end = np.searchsorted(own, np.arange(self.num_agents), side="right")
+    @cached_property
+    def _order(self) -> IntArray:
+        agents = self.rods.agents
+        if not self.tails:
+            agents = agents[: len(agents) - len(self.rods.tail_ends)]
+        return np.argsort(agents, kind="stable")
+
+    @cached_property
+    def _ranges(self) -> IntArray:
+        """(G, 4) segments of one and the other rod of every pair."""
+        owners = self.rods.agents[self._order]
+        begin = np.searchsorted(owners, np.arange(self.num_agents))
+        end = np.searchsorted(owners, np.arange(self.num_agents), side="right")
         first, second = self.pairs.T
         return np.column_stack([begin[first], end[first], begin[second], end[second]])
 
@@ -53,9 +69,9 @@ class FriendCandidates:
 
     def find(self, knots: FloatArray, skin: float) -> ContactList:
         """Pairs of segments that weigh in the minimum now or after moving half a skin each."""
-        slack = NEGLIGIBLE / self.sharpness + 2 * skin
-        found, group = near_minimum(self.positions(knots), self.rods.segments, self._ranges, slack)
-        points = np.hstack([self.rods.segments[found[:, 0]], self.rods.segments[found[:, 1]]])
+        slack = self.negligible / self.sharpness + 2 * skin
+        found, group = near_minimum(self.positions(knots), self._segments, self._ranges, slack)
+        points = np.hstack([self._segments[found[:, 0]], self._segments[found[:, 1]]])
         first, second = self.pairs.T
         return ContactList.grouped(points, (first * self.num_agents + second)[group])
 

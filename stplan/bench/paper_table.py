@@ -1,0 +1,98 @@
+"""The paper's scenes and plots as CSV, Markdown and figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+
+from stplan.bench.csv_table import csv_table
+from stplan.bench.markdown import number, table
+from stplan.bench.paper import PLOTS, WAYS, Compared, Recipe, Timing, growths
+from stplan.bench.plots import Series, growth_figure
+from stplan.bench.result_files import result_files
+from stplan.bench.scaling import Sweep
+
+_HEAD = (
+    "scene",
+    "the paper's",
+    "agents",
+    "default: cost",
+    "iterations",
+    "s",
+    "paper: cost",
+    "iterations",
+    "s",
+    "outcome",
+    "cost over default's",
+)
+
+
+def files(compared: Sequence[Compared], timings: Sequence[Timing]) -> dict[str, bytes]:
+    """Names and contents of the files of the measurement."""
+    text = f"{_scenes(compared)}\n{_plots(timings)}"
+    pictures = {f"{plot.name}.png": _picture(plot, timings) for plot in PLOTS}
+    return result_files("paper", _csv(compared), text) | pictures
+
+
+def _csv(compared: Sequence[Compared]) -> str:
+    """A row for each scene and recipe."""
+    return csv_table(
+        [
+            {"scene": one.scene, "recipe": name, "cost": recipe.cost} | asdict(recipe.figures)
+            for one in compared
+            for name, recipe in (("default", one.default), ("paper", one.paper))
+        ]
+    )
+
+
+def _scenes(compared: Sequence[Compared]) -> str:
+    rows = [
+        (
+            one.scene,
+            one.shows,
+            str(one.default.figures.agents),
+            *_cells(one.default),
+            *_cells(one.paper),
+            one.paper.figures.status.partition(":")[0],
+            number(one.paper.cost / one.default.cost, ".3f"),
+        )
+        for one in compared
+    ]
+    planned = sum(one.paper.figures.certified for one in compared)
+    count = f"The paper's recipe plans {planned} of {len(compared)} scenes."
+    return f"{table(_HEAD, rows, (0, 1, 9))}\n{count}\n"
+
+
+def _cells(recipe: Recipe) -> tuple[str, str, str]:
+    figures = recipe.figures
+    return number(recipe.cost, ".5g"), str(figures.iterations), f"{figures.total_seconds:.1f}"
+
+
+def _plots(timings: Sequence[Timing]) -> str:
+    """Milliseconds an iteration, a table a plot, with the fitted exponents below."""
+    parts = []
+    for plot in PLOTS:
+        own = [one for one in timings if one.plot == plot.name]
+        rows = [
+            (str(one.size), *(number(1e3 * one.seconds[way], ".1f") for way in WAYS)) for one in own
+        ]
+        powers = growths(timings, plot.name)
+        rows.append(("exponent", *(number(powers[way], ".2f") for way in WAYS)))
+        head = (plot.size, *(f"{way}, ms" for way in WAYS))
+        parts.append(f"{plot.title}\n\n{table(head, rows)}")
+    return "\n".join(parts)
+
+
+def _picture(plot: Sweep, timings: Sequence[Timing]) -> bytes:
+    own = [one for one in timings if one.plot == plot.name]
+    powers = growths(timings, plot.name)
+    series = [
+        Series(
+            way,
+            [float(one.size) for one in own],
+            [1e3 * one.seconds[way] for one in own],
+            powers[way],
+        )
+        for way in WAYS
+    ]
+    return growth_figure(plot.title, plot.size, "time of an iteration, ms", series)
