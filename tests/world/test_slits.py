@@ -70,6 +70,27 @@ def test_erosion_and_parts_see_them(shift: float) -> None:
     assert widest_passage(gap, stops[0], 1.0) == pytest.approx(0.5, rel=2e-3)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_opening_many_at_once_is_as_opening_each(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    middles, steps = rng.uniform(-1, 11, (60, 1, 2)), rng.uniform(-1, 1, (60, 1, 2))
+    crossing = list(np.hstack([middles - steps, middles + steps]))
+    # Far apart, one of them around another, and one that parts the floor.
+    x, y = np.divmod(np.arange(9), 3)
+    short = [np.array([[a, b], [a + 0.2, b + 0.1]]) for a, b in zip(x + 14.0, y, strict=True)]
+    ring = np.array([[14.6, 0.6], [15.5, 0.6], [15.5, 1.4], [14.6, 0.6]])
+    across = np.array([[13.0, 5.0], [18.0, 5.0]])
+    floor = shapely.MultiPolygon([shapely.box(0, 0, 10, 10), shapely.box(13, -1, 18, 9)])
+    for slits in ([*short, *crossing[:20], ring], [*crossing, across], short):
+        space = FreeSpace.from_polygon(floor, None, slits)
+        lines = [shapely.LineString(line) for line in slits]
+        hairs = shapely.buffer(lines, 9e-9, cap_style="square", join_style="mitre")
+        each = shapely.difference(floor, shapely.union_all(hairs))
+        assert space.polygon.is_valid
+        assert len(shapely.get_parts(space.polygon)) == len(shapely.get_parts(each))
+        assert shapely.symmetric_difference(space.polygon, each).area < 1e-11
+
+
 def test_a_part_of_the_free_space_keeps_them() -> None:
     part = free("[[2, 3], [8, 3]]").within(shapely.box(4, 0, 10, 6))
     assert part.area.area == pytest.approx(36)

@@ -16,6 +16,7 @@ from stplan.scene.reading.compile import check_parts, compile_scene, salvage
 from stplan.scene.reading.content_hash import content_hash
 from stplan.scene.reading.faults import Hints, scene_error, sentences, shown
 from stplan.scene.reading.overrides import apply_overrides
+from stplan.schema.collector import collector_paused
 from stplan.schema.yaml_nodes import LARGEST_FILE
 from stplan.schema.yaml_tree import read_tree
 
@@ -32,9 +33,10 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
         SceneError: every fault of the file, each with line, column and path.
     """
     source = Path(path)
-    return parse_scene(
-        read_text(source), source=source, directory=source.parent, overrides=overrides
-    )
+    with collector_paused():
+        return parse_scene(
+            read_text(source), source=source, directory=source.parent, overrides=overrides
+        )
 
 
 def read_text(source: Path) -> str:
