@@ -130,7 +130,7 @@ def _distinct(problem: PlanningProblem, seeds: Sequence[Seed]) -> tuple[Seed, ..
 
 
 def own_cost(scene: Scene, lines: WorldLines) -> float:
-    """What single agents pay on `lines`: kinetic, acceleration and arrival cost."""
+    """What all agents pay on `lines`: kinetic, acceleration, arrival and grouping cost."""
     return float(own_costs(scene, lines).sum())
 
 

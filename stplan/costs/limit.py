@@ -3,7 +3,8 @@
 w is a vector in the plane that depends on a few knots (a velocity, a change of it, a distance of two
 agents). With f = |w|^2 / limit^2 a limit enters the objective in one of two ways:
 
-    barrier   mu b(1 - f), the barrier of `contacts.barrier`, undefined from f = 1 on;
+    barrier   mu w b(1 - f), the barrier of `contacts.barrier`, undefined from f = 1 on, with a weight w that
+              keeps the sum from growing with the number of knots;
     penalty   (sqrt(f) - aim)^2 where sqrt(f) > aim, defined everywhere: it leads curves that break
               a limit to where the barrier can take over.
 
@@ -92,17 +93,24 @@ class MotionLimit(Term):
         limits: (N,) in the unit of the vectors.
         profile: how the limit enters.
         num_knots: M.
+        weights: (N,) w of the barriers, 1 by default.
     """
 
     capabilities = Capability.LIMIT | Capability.RESTORING
 
     def __init__(
-        self, stencils: IntArray, limits: FloatArray, profile: Profile, num_knots: int
+        self,
+        stencils: IntArray,
+        limits: FloatArray,
+        profile: Profile,
+        num_knots: int,
+        weights: FloatArray | None = None,
     ) -> None:
         self._stencils = stencils
         self._limits = limits
         self._profile = profile
         self._num_knots = num_knots
+        self._weights = np.ones(len(limits)) if weights is None else weights
 
     @abstractmethod
     def vectors(self, local: FloatArray) -> Vectors:
@@ -133,7 +141,7 @@ class MotionLimit(Term):
         """(3, N) phi, phi', phi'' at f."""
         result = np.zeros((3, len(squared)))
         if isinstance(self._profile, LimitBarrier):
-            _barriers(squared, self._profile.mu, self._profile.reach, result)
+            _barriers(squared, self._profile.mu * self._weights, self._profile.reach, result)
             return result
         weight, aim = self._profile.weight, self._profile.aim
         share = np.sqrt(squared)
@@ -201,12 +209,12 @@ class MotionLimit(Term):
 
 
 @kernel
-def _barriers(squared: FloatArray, mu: float, reach: float, result: FloatArray) -> None:
+def _barriers(squared: FloatArray, weights: FloatArray, reach: float, result: FloatArray) -> None:
     for k in range(len(squared)):
         value, first, second = barrier(1.0 - squared[k], reach)
-        result[0, k] = mu * value
-        result[1, k] = -mu * first
-        result[2, k] = mu * second
+        result[0, k] = weights[k] * value
+        result[1, k] = -weights[k] * first
+        result[2, k] = weights[k] * second
 
 
 def by_knots(first: FloatArray, second: FloatArray) -> tuple[FloatArray, FloatArray]:

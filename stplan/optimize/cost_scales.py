@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.costs.contacts.potential import REFERENCE_SEGMENTS
 from stplan.costs.formulation import Formulation
 from stplan.costs.limit import LimitBarrier
 from stplan.optimize.scales import RANGE_SHARE
@@ -38,6 +39,7 @@ class CostScales:
             "padding": formulation.padding,
             "barrier_range": self._barrier_range(),
             "limit_range": LimitBarrier(self.mu).reach,
+            "reference_segments": REFERENCE_SEGMENTS,
             "regularity": dict(zip(ids, scales.regularity.tolist(), strict=True)),
         }
         if formulation.problem.interactions.grouping.any():

@@ -79,13 +79,25 @@ class _Costs:
         velocity = np.diff(curve[:, :2], axis=0) / dt[:, None]
         speed = np.hypot(*velocity.T)
         if "max_speed" in agent:
-            found["speed limit"] = self._limit(speed / agent["max_speed"])
+            found["speed limit"] = self._share(name) * self._limit(speed / agent["max_speed"])
         if "max_acceleration" in agent:
             change = np.hypot(*np.diff(velocity, axis=0).T) / (0.5 * (dt[1:] + dt[:-1]))
-            found["acceleration limit"] = self._limit(change / agent["max_acceleration"])
+            found["acceleration limit"] = self._share(name) * self._limit(
+                change / agent["max_acceleration"]
+            )
             rest = speed[[0, -1]] / (0.5 * dt[[0, -1]])
             found["rest limit"] = self._limit(rest / agent["max_acceleration"])
         return found
+
+    def _share(self, name: str) -> float:
+        """What one of a curve's segments weighs in a sum over them."""
+        return min(1.0, self.scales["reference_segments"] / (len(self.curves[name]) - 1))
+
+    def _segment_shares(self, name: str, count: int) -> np.ndarray:
+        """Those of a rod's `count` segments: what stands on its goal weighs 1."""
+        shares = np.full(count, self._share(name))
+        shares[len(self.curves[name]) - 1 :] = 1.0
+        return shares
 
     def _limit(self, share: np.ndarray) -> float:
         return self.mu * sum(_barrier(1.0 - s**2, self.scales["limit_range"]) for s in share)
@@ -130,22 +142,32 @@ class _Costs:
                     reach = self._range("share_of_distance", distance)
                     strength = self.mu * 0.5 * sum(weights)
                     alpha = alphas.get((a, b))
-                    found.append(
-                        ("collision", strength * self._felt(free, reach, alpha, "pair_alphas"))
+                    weights = np.outer(
+                        self._segment_shares(a, len(gaps)), self._segment_shares(b, len(gaps[0]))
                     )
+                    felt = self._felt(free, weights, reach, alpha, "pair_alphas")
+                    found.append(("collision", strength * felt))
                 if grouping:
                     own = gaps[: len(self.curves[a]) - 1, : len(self.curves[b]) - 1]
                     smooth = _smooth_minimum(own, self.scales["grouping_alpha"])
                     found.append(("grouping", grouping * (smooth - distance) ** 2))
         return found
 
-    def _felt(self, free: np.ndarray, reach: float, alpha: float | None, alphas: str) -> float:
+    def _felt(
+        self,
+        free: np.ndarray,
+        weights: np.ndarray,
+        reach: float,
+        alpha: float | None,
+        alphas: str,
+    ) -> float:
         if alpha is not None:
             return _barrier(_smooth_minimum(free, alpha), reach)
         if alphas in self.scales:
             # Of whom no alpha was needed, nobody is near.
             return 0.0
-        return sum(_barrier(one, reach) for one in free.ravel())
+        pairs = zip(free.ravel(), weights.ravel(), strict=True)
+        return sum(weight * _barrier(one, reach) for one, weight in pairs)
 
     def _walls(self) -> list[tuple[str, float]]:
         if "map" not in self.scene:
@@ -177,7 +199,9 @@ class _Costs:
                 self._range("share_of_radius", radius),
             )
             alpha = self.scales.get("wall_alphas", {}).get(name)
-            found.append(("wall", strength * self._felt(free, reach, alpha, "wall_alphas")))
+            weights = np.full(free.shape, self._share(name))
+            felt = self._felt(free, weights, reach, alpha, "wall_alphas")
+            found.append(("wall", strength * felt))
         return found
 
     def _meetings(self) -> list[tuple[str, float]]:

@@ -2,7 +2,8 @@
 
 Two models of "far enough apart" share everything else:
 
-- contacts: the sum of barriers of every contact, sum_k K_k b(D_k - R_k);
+- contacts: the sum of barriers of every contact, sum_k w_k K_k b(D_k - R_k), with weights w_k that keep
+  it from growing with the number of segments (`segment_shares`);
 - smooth minimum: a barrier of the log-sum-exp minimum of a group of contacts (the paper's d),
   d = m - log(sum_k exp(-alpha (D_k - m))) / alpha with m the least D_k, so that nothing overflows.
   With softmax weights w_k it has the gradient sum_k w_k grad D_k and the Hessian
@@ -23,6 +24,9 @@ from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import kernel
 from stplan.costs.contacts.barrier import barrier
 from stplan.costs.contacts.contact_set import ContactList
+
+# n_0: of curves with no more segments than these every contact counts in full. Seeds get about as many.
+REFERENCE_SEGMENTS = 30
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,15 @@ class Coefficients:
     coupling: FloatArray
 
 
+def segment_shares(num_segments: IntArray) -> FloatArray:
+    """(A,) weights of one of n segments of a curve in sums over contacts, min(1, n_0 / n).
+
+    Where two curves come near each other, twice as many segments of both make four times as many
+    contacts. With the product of both weights the sum tends to an integral over both curves instead.
+    """
+    return np.minimum(1.0, REFERENCE_SEGMENTS / np.maximum(num_segments, 1))
+
+
 class Potential(Protocol):
     """How the distances of a list of contacts become a cost."""
 
@@ -63,20 +76,27 @@ class ContactBarriers:
         radius: R, m.
         weight: factor of the barrier, mu included.
         reach: clearance at which repulsion starts, m, inf for the unbounded logarithm.
+        shares: (P,) weight of a contact's curve by its second position, 1 for what is no curve; None
+            where all are 1.
     """
 
     radius: FloatArray
     weight: FloatArray
     reach: FloatArray
+    shares: FloatArray | None = None
 
     def coefficients(self, distance: FloatArray, contacts: ContactList) -> Coefficients:
         """The sum over contacts."""
         keys, members = contacts.keys, contacts.members
+        weight = self.weight[keys][members]
+        if self.shares is not None:
+            weight = (
+                weight * self.shares[contacts.points[:, 1]] * self.shares[contacts.points[:, 3]]
+            )
         slope = np.zeros(len(distance))
         curvature = np.zeros(len(distance))
         value, least = _contact_barriers(
-            distance, self.radius[keys][members], self.weight[keys][members],
-            self.reach[keys][members], slope, curvature,
+            distance, self.radius[keys][members], weight, self.reach[keys][members], slope, curvature,
         )  # fmt: skip
         return Coefficients(value, least, slope, curvature, curvature, np.zeros(0))
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.costs.contacts.potential import segment_shares
 from stplan.costs.formulation import TermSetup
 from stplan.costs.limit import (
     MotionLimit,
@@ -41,6 +42,7 @@ class AccelerationLimit(MotionLimit):
             limits[layout.agent_of_knot[middle]],
             profile,
             layout.num_knots,
+            segment_shares(layout.num_segments)[layout.agent_of_knot[middle]],
         )
 
     @classmethod

@@ -2,7 +2,8 @@
 
 d_ab is the distance of two rods in (x, y, c t). Two models of it: `contacts`, the barrier of every close
 pair of segments, and `smooth-minimum`, the barrier of the log-sum-exp minimum over them, the paper's.
-Both use exact distances of segments, so that nothing passes between samples.
+Both use exact distances of segments, so that nothing passes between samples. A contact weighs the product of
+both curves' `segment_shares`, so that more knots make no stronger barrier; what stands on a goal weighs 1.
 """
 
 from __future__ import annotations
@@ -17,7 +18,12 @@ from stplan.costs.contacts.contact_set import Candidates, ContactSet
 from stplan.costs.contacts.contact_term import ContactModel, ContactTerm
 from stplan.costs.contacts.nearest_candidates import NearestCandidates
 from stplan.costs.contacts.passage import rods_stay_apart
-from stplan.costs.contacts.potential import ContactBarriers, Potential, SmoothMinimumBarriers
+from stplan.costs.contacts.potential import (
+    ContactBarriers,
+    Potential,
+    SmoothMinimumBarriers,
+    segment_shares,
+)
 from stplan.costs.contacts.rod_candidates import BroadPhase, RodCandidates
 from stplan.costs.contacts.smooth_minimum import NEGLIGIBLE, SmoothMinimum, weighing_reach
 from stplan.costs.formulation import TermSetup
@@ -70,7 +76,9 @@ class Collision(ContactTerm):
         felt = reach[collides & np.isfinite(reach)]
         widest = float(distance[collides].max(initial=1.0))
         skin = 0.5 * (float(felt.max()) if len(felt) else widest)
-        potential: Potential = ContactBarriers(radius, weight, reach.ravel())
+        potential: Potential = ContactBarriers(
+            radius, weight, reach.ravel(), _shares(rods, num_knots=len(knots))
+        )
         curved = candidates
         if smooth is not None:
             kept = np.full(reach.size, np.nan) if sharpness is None else sharpness
@@ -116,6 +124,15 @@ class Collision(ContactTerm):
         """Whether no two rods pass through each other between the two."""
         pairs = self._interactions
         return rods_stay_apart(self._rods, start, end, pairs.collides, pairs.distance)
+
+
+def _shares(rods: Rods, num_knots: int) -> FloatArray:
+    """(P,) what a segment weighs in sums over contacts, by the position it ends at."""
+    own = len(rods.segments) - len(rods.tail_ends)
+    shares = np.ones(num_knots + len(rods.tail_ends))
+    agents = rods.agents[:own]
+    shares[rods.segments[:own, 1]] = segment_shares(np.bincount(agents))[agents]
+    return shares
 
 
 @dataclass(frozen=True)

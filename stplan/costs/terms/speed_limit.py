@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.costs.contacts.potential import segment_shares
 from stplan.costs.formulation import TermSetup
 from stplan.costs.limit import MotionLimit, Profile, Vectors, limit_profile, power_vectors
 from stplan.costs.registry import register
@@ -23,8 +24,9 @@ class SpeedLimit(MotionLimit):
         chosen = np.isfinite(limit)
         start = layout.segment[chosen]
         super().__init__(
-            np.column_stack([start, start + 1]), limit[chosen], profile, layout.num_knots
-        )
+            np.column_stack([start, start + 1]), limit[chosen], profile, layout.num_knots,
+            segment_shares(layout.num_segments)[layout.agent_of_segment[chosen]],
+        )  # fmt: skip
 
     @classmethod
     def build(cls, setup: TermSetup) -> SpeedLimit | None:

@@ -3,6 +3,7 @@
 Distances of a curve to the boundary are taken knot to edge and corner to segment: together they are the
 distance of the two polylines wherever the curve does not cross the boundary, and unlike segment against
 segment they do not jump along parallel walls. Crossings are refused separately: the cost is inf there.
+A contact weighs its curve's `segment_shares`, so that more knots make no stronger barrier.
 """
 
 from __future__ import annotations
@@ -16,7 +17,12 @@ from stplan.costs.contacts.blocks import ContactBlocks, DenseCoupling
 from stplan.costs.contacts.contact_set import ContactSet
 from stplan.costs.contacts.contact_term import ContactModel, ContactTerm
 from stplan.costs.contacts.passage import walls_stay_clear
-from stplan.costs.contacts.potential import ContactBarriers, Potential, SmoothMinimumBarriers
+from stplan.costs.contacts.potential import (
+    ContactBarriers,
+    Potential,
+    SmoothMinimumBarriers,
+    segment_shares,
+)
 from stplan.costs.contacts.smooth_minimum import SmoothMinimum, weighing_reach
 from stplan.costs.contacts.wall_candidates import EdgeSearch, WallCandidates
 from stplan.costs.formulation import TermSetup
@@ -77,7 +83,9 @@ class Wall(ContactTerm):
         )  # fmt: skip
         felt = reach[(weights > 0) & np.isfinite(reach)]
         skin = 0.5 * (float(felt.max()) if len(felt) else float(radii.max()))
-        potential: Potential = ContactBarriers(radii, mu * weights, reach)
+        shares = np.ones(len(knots) + len(boundary_vertices))
+        shares[: len(knots)] = segment_shares(layout.num_segments)[layout.agent_of_knot]
+        potential: Potential = ContactBarriers(radii, mu * weights, reach, shares)
         coupling = None
         if smooth is not None:
             kept = np.full(reach.size, np.nan) if sharpness is None else sharpness
