@@ -84,37 +84,3 @@ def clear_of_walls(
                 if squared <= gap * gap:
                     return False
     return True
-
-
-@kernel
-def shortest_shortcut(way: FloatArray, gap: float, walls: BoundaryGrid) -> IntArray:
-    """Knots of the shortest polyline over knots of `way` (n, 2), of its pieces and of clear lines.
-
-    Straight lines between knots that are not neighbours keep more than `gap` (m) from the walls; of
-    equals the longest are taken, for fewer knots.
-    """
-    count = len(way)
-    query = make_query(walls.grid.cells)
-    least = np.empty(count)
-    least[0] = 0.0
-    before = np.empty(count, np.int64)
-    for j in range(1, count):
-        least[j] = np.inf
-        for i in range(j):
-            length = np.hypot(way[j, 0] - way[i, 0], way[j, 1] - way[i, 1])
-            total = least[i] + length
-            # The piece itself comes last, so that it is taken only where no line is as short.
-            if total < least[j] * (1.0 - 1e-12) and (
-                i == j - 1 or clear_of_walls(way[i], way[j], gap, walls, query)
-            ):
-                least[j] = total
-                before[j] = i
-    knots = np.empty(count, np.int64)
-    knots[0] = count - 1
-    used = 1
-    while knots[used - 1] > 0:
-        knots[used] = before[knots[used - 1]]
-        used += 1
-    for k in range(used // 2):
-        knots[k], knots[used - 1 - k] = knots[used - 1 - k], knots[k]
-    return knots[:used]

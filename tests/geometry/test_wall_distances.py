@@ -1,4 +1,4 @@
-"""Distances to walls against shapely, and shortcuts that keep them."""
+"""Distances to walls against shapely."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from stplan.geometry.wall_distances import (
     clear_of_walls,
     least_wall_distance,
     least_wall_distances,
-    shortest_shortcut,
 )
 
 ROOM = shapely.box(0, 0, 10, 8).difference(
@@ -64,21 +63,3 @@ def test_clear_of_walls_means_further_than_the_gap() -> None:
     assert found == (exact > 0.4).tolist()
     assert 20 < sum(found) < 180
     assert clear_of_walls(starts[0], ends[0], -1.0, WALLS, query)
-
-
-def test_the_shortest_shortcut_is_clear_and_the_shortest_of_its_knots() -> None:
-    way = np.array([[1.0, 1], [1, 4], [2, 6], [4, 7], [5, 6], [6, 4], [6, 1], [8, 1], [9, 3]])
-    knots = shortest_shortcut(way, 0.5, WALLS)
-    assert knots[0] == 0
-    assert knots[-1] == len(way) - 1
-    assert (np.diff(knots) > 0).all()
-    taken = way[knots]
-    assert shapely.LineString(taken).distance(ROOM.boundary) > 0.5
-    # Brute force over all choices of inner knots.
-    best = np.inf
-    for choice in range(1 << (len(way) - 2)):
-        inner = [k + 1 for k in range(len(way) - 2) if choice >> k & 1]
-        chosen = way[[0, *inner, len(way) - 1]]
-        if shapely.LineString(chosen).distance(ROOM.boundary) > 0.5:
-            best = min(best, shapely.LineString(chosen).length)
-    assert shapely.LineString(taken).length == pytest.approx(best)
