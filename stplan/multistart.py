@@ -4,12 +4,12 @@ An optimisation keeps the homotopy class of its seed (who passes whom on which s
 cost by more than any option of the solver is worth. In the open, relaxation is started again and again; in
 tight spaces other seeders compete with the first one that found a way. The cheapest seed mostly leads to the
 cheapest plan; where it does not, one of the next two does (docs/performance.md has the figures), so in tight
-spaces up to three seeds of different classes are optimised.
+spaces up to three seeds of different classes are optimised (`drafts.py` makes them).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,11 +17,11 @@ import numpy as np
 from stplan.analysis.own_costs import own_costs
 from stplan.certify.pair_clearance import nearest_moments
 from stplan.compiled import working_time
+from stplan.drafts import tight_seeds
 from stplan.errors import SeedingError
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
-from stplan.seeding.homotopy import signature
 from stplan.seeding.portfolio import Portfolio, Seed, prepare_portfolio
 from stplan.seeding.seeder import Budget, Progress
 
@@ -47,8 +47,6 @@ class Effort:
 
 
 EFFORTS = {"quick": Effort(0.0, 1), "normal": Effort(1.0, 3), "best": Effort(4.0, 6)}
-# A rival that failed so often in a row is asked no more: it mostly fails again, and takes long to do so.
-FAILURES = 2
 # Of more agents fewer seeds are optimised: classes differ less, and plans take longer.
 AGENTS_A_FINALIST = 60
 
@@ -75,10 +73,13 @@ def best_seeds(problem: PlanningProblem, *, progress: Progress) -> Contest:
     """
     scene, settings = problem.scene, problem.scene.seeding
     portfolio = prepare_portfolio(problem)
-    deadline = working_time() + settings.time_limit
-    first = portfolio.find(Budget(settings.rng_seed, deadline, progress))
     effort = EFFORTS[scene.solver.effort]
-    every = [first, *_other_seeds(problem, portfolio, first, effort)]
+    budget = Budget(settings.rng_seed, working_time() + settings.time_limit, progress)
+    if portfolio.rivals and scene.solver.starts is None and effort.starts_share > 0.0:
+        most = max(1, min(effort.finalists, AGENTS_A_FINALIST // problem.num_agents))
+        first = portfolio.first_clear(budget)
+        return Contest(tight_seeds(problem, portfolio, first, effort.starts_share, most), most)
+    every = list(_starts(problem, portfolio, budget, effort.starts_share))
     found = [
         replace(seed, record=replace(seed.record, starts=len(every), start=number))
         for number, seed in enumerate(every, start=1)
@@ -88,45 +89,22 @@ def best_seeds(problem: PlanningProblem, *, progress: Progress) -> Contest:
     if len(found) > 1:
         best = found[0]
         progress(f"seed {best.record.start} of {len(found)} is the cheapest, by {best.found_by}")
-    most = effort.finalists if portfolio.rivals else 1
-    most = max(1, min(most, AGENTS_A_FINALIST // problem.num_agents))
-    return Contest(tuple(found) if most == 1 else _distinct(problem, found), most)
+    return Contest(tuple(found), 1)
 
 
-def _other_seeds(
-    problem: PlanningProblem, portfolio: Portfolio, first: Seed, effort: Effort
+def _starts(
+    problem: PlanningProblem, portfolio: Portfolio, budget: Budget, share: float
 ) -> Iterator[Seed]:
-    """What competes with the `first` seed."""
-    settings = problem.scene.seeding
-    rng_seed = settings.rng_seed
-    asked = problem.scene.solver.starts
-    if not portfolio.rivals or asked is not None:
-        starts = asked or _worthwhile_starts(problem, first, effort.starts_share)
-        for start in range(1, starts):
-            try:
-                deadline = working_time() + settings.time_limit
-                yield portfolio.find(Budget(rng_seed + start, deadline))
-            except SeedingError:
-                continue
-        return
-    for rival in portfolio.rivals:
-        failures = 0
-        for start in range(round(effort.starts_share * rival.starts)):
-            budget = Budget(rng_seed + start, working_time() + settings.time_limit)
-            if failures == FAILURES:
-                break
-            seed = portfolio.find_by(rival.seeder, budget)
-            failures = failures + 1 if seed is None else 0
-            if seed is not None:
-                yield seed
-
-
-def _distinct(problem: PlanningProblem, seeds: Sequence[Seed]) -> tuple[Seed, ...]:
-    """The first seed of every class."""
-    chosen: dict[bytes, Seed] = {}
-    for seed in seeds:
-        chosen.setdefault(signature(problem, list(seed.world_lines.curves())), seed)
-    return tuple(chosen.values())
+    """The first seed, and those of as many other starts as were asked for, or as are worth it."""
+    first = portfolio.find(budget)
+    yield first
+    asked, settings = problem.scene.solver.starts, problem.scene.seeding
+    for start in range(1, asked or _worthwhile_starts(problem, first, share)):
+        try:
+            deadline = working_time() + settings.time_limit
+            yield portfolio.find(Budget(settings.rng_seed + start, deadline))
+        except SeedingError:
+            continue
 
 
 def own_cost(scene: Scene, lines: WorldLines) -> float:

@@ -139,6 +139,10 @@ def plan(
             break
         if len(rivals) > 1:
             progress(f"plan {number} of {len(rivals)}, from the seed by {initial.seed.found_by}")
+        if plans:
+            other = _rival(problem, initial, plans, stop=stop, clock=clock)
+            plans += [] if other is None else [other]
+            continue
         with clock.stage("optimise"):
             optimised = optimise(
                 problem, initial.seed.world_lines, progress=progress, live=live, stop=stop
@@ -310,6 +314,31 @@ def find_initial_curves(
     if not found:
         raise BrokenSeedError(violations)
     return found
+
+
+def _rival(
+    problem: PlanningProblem,
+    initial: InitialCurves,
+    plans: Sequence[Plan],
+    *,
+    stop: Stop,
+    clock: Clock,
+) -> Plan | None:
+    """The plan from another seed, None where a few iterations tell that it is dearer than the best."""
+    from stplan.improvement.trials import Trials
+
+    best = min(own_cost(plan.scene, plan.trajectories or plan.seed) for plan in plans)
+    trials = Trials(problem, plans[0].seed, stop)
+    with clock.stage("optimise"):
+        short = trials.shortly(initial.seed.world_lines, best)
+        optimised = None if short is None else trials.fully(short)
+    if optimised is None:
+        return None
+    with clock.stage("certify"):
+        certificate = certify(problem.scene, problem.free_space, optimised.world_lines)
+    if not certificate.holds:
+        return None
+    return _planned(problem, initial, optimised, certificate, clock)
 
 
 def _cheapest(plans: Sequence[Plan]) -> Plan:

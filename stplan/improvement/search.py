@@ -13,7 +13,7 @@ their limits come from.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -24,24 +24,20 @@ from stplan.certify.certificate import Certificate, certify
 from stplan.compiled import working_time
 from stplan.improvement.budget import ImprovementBudget
 from stplan.improvement.proposals import MOVES, Proposals
-from stplan.optimize.continuation import LiveLine, Optimisation, optimise
+from stplan.improvement.trials import Trials
+from stplan.optimize.continuation import LiveLine, Optimisation
 from stplan.optimize.restoration import asks_for_more, restore
-from stplan.optimize.scales import derive_scales
 from stplan.problem.kinetic_cost import kinetic_cost
-from stplan.problem.layout import KnotLayout
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
-from stplan.scene.model import SolverSettings
 from stplan.seeding.homotopy import signature
 
 Stop = Callable[[], bool]
 Progress = Callable[[str], None]
 
-# Dearer proposals than so many times the present plan are not optimised at all, dearer ones after a
-# short run not to the end. All that ever succeeded were below 1.13 and 1.03.
+# Dearer proposals than so many times the present plan are not optimised at all: all that ever succeeded
+# were below 1.13.
 PREPARED_SCREEN = 1.2
-SHORT_SCREEN = 1.03
-SHORT_ITERATIONS = 15
 # A plan has to be cheaper by this share to be kept.
 WORTHWHILE = 1e-4
 # What kinds of moves are worth at least of what they were at first, how slowly that changes, and at most.
@@ -175,11 +171,10 @@ class _Search:
         self._known: set[bytes] = set()
         self._least: FloatArray | None = None
         self._moves = 0
-        self._iterations = 0
+        self._trials = Trials(problem, lines, self._stopped)
         self.kept_last = False
         self._start = float(own_costs(problem.scene, lines).sum())
         self._best = _Best(lines, self._start)
-        self._short, self._full = _solver_settings(problem, lines)
 
     def goes_on(self) -> bool:
         """Whether there is another move to be tried."""
@@ -197,7 +192,7 @@ class _Search:
             self._take_up()
         worth = np.array([tally.worth for tally in self._tallies.values()])
         move = MOVES[int(self._rng.choice(len(MOVES), p=worth / worth.sum()))]
-        before, used = self._best.cost, self._iterations
+        before, used = self._best.cost, self._trials.iterations
         self._moves += 1
         curves = self._proposals.propose(move, self._stopped)
         found = None if curves is None else self._optimised(curves)
@@ -206,7 +201,7 @@ class _Search:
             self._best = found
             found.history.append({"move": self._moves, "by": str(move), "cost": found.cost})
             self._take_up()
-        effort = move.effort + self._iterations - used
+        effort = move.effort + self._trials.iterations - used
         self._tallies[move].add(1.0 - self._best.cost / before, effort)
 
     def line(self) -> str:
@@ -248,57 +243,29 @@ class _Search:
         """The plan that `curves` lead to, None where it is no cheaper, or looks so."""
         problem = self._problem
         lines = WorldLines.from_curves(problem.agent_ids, curves)
-        if self._cost(lines) > PREPARED_SCREEN * self._best.cost:
+        if self._trials.cost(lines) > PREPARED_SCREEN * self._best.cost:
             return None
         if asks_for_more(problem):
             lines = restore(problem, lines, progress=_unheard, stop=self._stopped)
             if not self._certificate(lines).holds:
                 return None
-        short = self._run(lines, self._short)
-        if self._stopped() or self._cost(short.world_lines) > SHORT_SCREEN * self._best.cost:
+        short = self._trials.shortly(lines, self._best.cost)
+        if short is None:
             return None
-        label = signature(problem, list(short.world_lines.curves()))
+        label = signature(problem, list(short.curves()))
         if label in self._known:
             return None
         self._known.add(label)
-        full = self._run(short.world_lines, self._full)
-        cost = self._cost(full.world_lines)
+        full = self._trials.fully(short)
+        cost = self._trials.cost(full.world_lines)
         if cost >= (1.0 - WORTHWHILE) * self._best.cost:
             return None
         if not self._certificate(full.world_lines).holds:
             return None
         return _Best(full.world_lines, cost, full, [*self._best.history])
 
-    def _run(self, lines: WorldLines, settings: SolverSettings) -> Optimisation:
-        problem = replace(self._problem, scene=replace(self._problem.scene, solver=settings))
-        found = optimise(problem, lines, progress=_unheard, stop=self._stopped)
-        self._iterations += found.iterations
-        return found
-
-    def _cost(self, lines: WorldLines) -> float:
-        return float(own_costs(self._problem.scene, lines).sum())
-
     def _certificate(self, lines: WorldLines) -> Certificate:
         return certify(self._problem.scene, self._problem.free_space, lines)
-
-
-def _solver_settings(
-    problem: PlanningProblem, lines: WorldLines
-) -> tuple[SolverSettings, SolverSettings]:
-    """Of a short run and of a full one: both end where the scene's own settings would, or before."""
-    solver = problem.scene.solver
-    first = derive_scales(problem, KnotLayout.from_offsets(lines.offsets), lines.knots).mu
-    outer = solver.outer_iterations
-    short = replace(
-        solver,
-        mu=first * solver.mu_decay ** max(outer - 3, 0),
-        outer_iterations=1,
-        max_iterations=min(SHORT_ITERATIONS, solver.max_iterations),
-    )
-    full = replace(
-        solver, mu=first * solver.mu_decay ** max(outer - 2, 0), outer_iterations=min(outer, 2)
-    )
-    return short, full
 
 
 def _least_costs(problem: PlanningProblem, ways: list[FloatArray | None]) -> FloatArray:

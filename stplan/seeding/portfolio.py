@@ -53,8 +53,8 @@ TIGHT_SWEEPS, OPEN_SWEEPS = 400, 1500
 FEW_RADII = 3
 # What relaxation left is mended where no more than this part of the agents touch, or so many pairs.
 MENDED_PART, MENDED_PAIRS = 0.1, 4
-# Starts of relaxation in tight spaces, which take longer than others and differ less.
-RELAXATION_STARTS = 2
+# Starts of relaxation as a rival in tight spaces: they are quick, and differ little.
+RELAXATION_STARTS = 3
 # Preparing what was found may take this part of the time limit over it.
 PREPARATION_TIME = 0.1
 
@@ -103,10 +103,16 @@ class MendedRelaxation:
 
 @dataclass(frozen=True)
 class Rival:
-    """A seeder whose seeds compete with others, and how many starts of it a scene is worth."""
+    """A seeder whose seeds compete with others.
+
+    Attributes:
+        starts: how many of it a scene is worth.
+        patience: how many in a row may fail, or be far too dear, before it is asked no more.
+    """
 
     seeder: Seeder
     starts: int
+    patience: int
 
 
 @dataclass(frozen=True)
@@ -119,6 +125,7 @@ class Portfolio:
         required: what the margin asks for.
         seeders: in the order they are tried.
         rivals: whose seeds compete with the first one found, in tight spaces.
+        levels: the roadmaps that those seeds are improved on; None where nothing competes.
     """
 
     problem: PlanningProblem
@@ -126,6 +133,7 @@ class Portfolio:
     required: Requirement
     seeders: tuple[Seeder, ...]
     rivals: tuple[Rival, ...] = ()
+    levels: Levels | None = None
 
     def find(self, budget: Budget) -> Seed:
         """Clear initial curves by the first seeder that finds any.
@@ -133,18 +141,10 @@ class Portfolio:
         Raises:
             SeedingError: none did.
         """
-        return self._seed(self._first_clear(budget), budget)
+        return self.seed(self.first_clear(budget), budget)
 
-    def find_by(self, seeder: Seeder, budget: Budget) -> Seed | None:
-        """Clear initial curves by one of the seeders, None where it finds none."""
-        found = seeder.attempt(budget)
-        try:
-            return self._seed(found, budget) if found.clear else None
-        except SeedingError:
-            return None
-
-    def _seed(self, found: SeedAttempt, budget: Budget) -> Seed:
-        """A seed of what was found.
+    def seed(self, found: SeedAttempt, budget: Budget) -> Seed:
+        """A seed of the clear curves that were found.
 
         Raises:
             SeedingError: it was not prepared in time, or not clear after all.
@@ -158,7 +158,12 @@ class Portfolio:
         lines = WorldLines.from_curves(self.problem.agent_ids, curves)
         return Seed(lines, found.found_by, found.record, self.rendezvous)
 
-    def _first_clear(self, budget: Budget) -> SeedAttempt:
+    def first_clear(self, budget: Budget) -> SeedAttempt:
+        """What the first seeder found that finds any, not yet prepared.
+
+        Raises:
+            SeedingError: none did.
+        """
         reasons: list[Reason] = []
         for seeder in self.seeders:
             found = seeder.attempt(budget)
@@ -224,8 +229,16 @@ def prepare_portfolio(problem: PlanningProblem) -> Portfolio:
         raise SeedingError(reasons)
     problem = _surroundings(problem)
     required = requirement(problem, problem.scene.seeding.margin)
-    seeders, rivals = _seeders(problem)
-    return Portfolio(problem, rendezvous, required, seeders, rivals)
+    method = problem.scene.seeding.method
+    if method != AUTO:
+        return Portfolio(problem, rendezvous, required, (SEEDERS[method](problem),))
+    levels = Levels(problem)
+    many_radii = len(np.unique(problem.radii)) > FEW_RADII
+    if many_radii or straight_ways_are_clear(problem):
+        relaxation = MendedRelaxation(Relaxation(problem, OPEN_SWEEPS), Mending(levels))
+        return Portfolio(problem, rendezvous, required, (relaxation, Search(levels)))
+    seeders, rivals = _tight_seeders(levels)
+    return Portfolio(problem, rendezvous, required, seeders, rivals, levels)
 
 
 def _surroundings(problem: PlanningProblem) -> PlanningProblem:
@@ -251,23 +264,18 @@ def _surroundings(problem: PlanningProblem) -> PlanningProblem:
     return problem if not_connected(near, problem.radii) else near
 
 
-def _seeders(problem: PlanningProblem) -> tuple[tuple[Seeder, ...], tuple[Rival, ...]]:
-    """The seeders of the scene's method in the order they are tried, and what competes with them."""
-    method = problem.scene.seeding.method
-    if method != AUTO:
-        return (SEEDERS[method](problem),), ()
-    levels = Levels(problem)
-    many_radii = len(np.unique(problem.radii)) > FEW_RADII
-    if many_radii or straight_ways_are_clear(problem):
-        return (
-            MendedRelaxation(Relaxation(problem, OPEN_SWEEPS), Mending(levels)),
-            Search(levels),
-        ), ()
+def _tight_seeders(levels: Levels) -> tuple[tuple[Seeder, ...], tuple[Rival, ...]]:
+    """The seeders in the order they are tried in tight spaces, and what competes with them."""
     least_cost = LeastCost(levels)
-    relaxation = MendedRelaxation(Relaxation(problem, TIGHT_SWEEPS), Mending(levels))
-    return (
+    relaxation = Relaxation(levels.problem, TIGHT_SWEEPS)
+    seeders = (
         Emptying(levels),
         Search(levels, (SOON_EFFORT, SOON_EFFORT)),
-        relaxation,
+        MendedRelaxation(relaxation, Mending(levels)),
         Search(levels, (SOON_EFFORT + 1, MOST_EFFORT)),
-    ), (Rival(least_cost, least_cost.worthwhile_starts), Rival(relaxation, RELAXATION_STARTS))
+    )
+    return seeders, (
+        Rival(least_cost, least_cost.worthwhile_starts, patience=2),
+        # Its starts differ little, and the first one has to find everybody's shortest way.
+        Rival(relaxation, RELAXATION_STARTS, patience=1),
+    )

@@ -27,7 +27,7 @@ from stplan.seeding.seeder import Budget, SeedAttempt, SeedRecord
 # Orders tried from one random number: another one is worth more than to go on.
 ORDERS = 6
 # So many starts over the number of agents, or over that of agents, moves and layers; at least, at most.
-STARTED_AGENTS, STARTED_WORK = 160, 10**8
+STARTED_AGENTS, STARTED_WORK = 100, 10**8
 FEWEST_STARTS, MOST_STARTS = 2, 8
 # Margins tried; smaller ones are left to other searches.
 MARGINS = 2

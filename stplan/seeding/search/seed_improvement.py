@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import ClassVar
 
 import numpy as np
 
@@ -51,23 +50,17 @@ REMEMBERED = 200
 # Pairs that hold less than so many times R count as touching.
 LEAST_HELD = 1.0005
 
-# What `ImprovedLeastCost` does: seeds to choose from, and moves from the cheapest.
-SEEDS, MOVES = 4, 150
+# What an improvement may take: moves times the size of the layered roadmap and of the crowd, in numbers of
+# labels; about half a second. An agent weighs so many labels, by what it takes to shorten its curve.
+IMPROVEMENT_WORK, AGENT_WORK = 4 * 10**7, 3 * 10**4
+MOST_MOVES = 100
 
 
-@dataclass(frozen=True)
-class ImprovedLeastCost:
-    """The cheapest of a few seeds of `LeastCost`, improved."""
-
-    name: ClassVar = "improved"
-    levels: Levels
-    moves: int = MOVES
-
-    def attempt(self, budget: Budget) -> SeedAttempt:
-        """Different random numbers begin with other seeds and draw other moves."""
-        first = replace(budget, rng_seed=SEEDS * budget.rng_seed)
-        start = cheapest_start(self.levels, SEEDS, first)
-        return improve_seed(self.levels, start, self.moves, budget, keep=1)[0]
+def worthwhile_moves(levels: Levels) -> int:
+    """How many moves a scene is worth: fewer of more agents and of larger roadmaps."""
+    level = levels.at(_margin(levels))
+    work = len(level.graph.length) * level.layers + AGENT_WORK * levels.problem.num_agents
+    return min(IMPROVEMENT_WORK // work, MOST_MOVES)
 
 
 def improve_seed(
@@ -90,9 +83,7 @@ def improve_seed(
         tried += 1
     record = replace(start.record, tries=start.tries + tried)
     found = [
-        SeedAttempt(
-            f"{start.found_by}, {ImprovedLeastCost.name}", curves, clear=True, record=record
-        )
+        SeedAttempt(f"{start.found_by}, improved", curves, clear=True, record=record)
         for curves in walk.best_of_classes(keep)
         if not verify(levels.problem, curves)
     ]

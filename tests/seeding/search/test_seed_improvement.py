@@ -15,10 +15,10 @@ from stplan.seeding.elastic_bands.relaxation_seeder import Relaxation
 from stplan.seeding.homotopy import signature
 from stplan.seeding.search.levels import Levels
 from stplan.seeding.search.seed_improvement import (
-    SEEDS,
-    ImprovedLeastCost,
+    MOST_MOVES,
     cheapest_start,
     improve_seed,
+    worthwhile_moves,
 )
 from stplan.seeding.seeder import Budget, SeedAttempt
 from stplan.world import build_free_space
@@ -91,13 +91,10 @@ def test_the_cheapest_of_several_starts_is_taken(warehouse):
     )
 
 
-def test_the_seeder_improves_its_cheapest_start(warehouse):
+def test_larger_scenes_are_worth_fewer_moves(warehouse):
     levels, _ = warehouse
-    found = ImprovedLeastCost(levels, moves=20).attempt(Budget(1))
-    start = cheapest_start(levels, SEEDS, Budget(SEEDS))
-    assert found.clear
-    assert found.found_by == f"{start.found_by}, improved"
-    assert cost(levels.problem, found) < cost(levels.problem, start)
+    many = levels_of(tight.door(np.random.default_rng(1), per_side=20))
+    assert 0 < worthwhile_moves(many) < worthwhile_moves(levels) <= MOST_MOVES
 
 
 def test_what_is_not_clear_comes_back_as_it_is(warehouse):

@@ -1,0 +1,155 @@
+"""Seeds for tight spaces: many drafts, of which the cheapest are improved and few are prepared.
+
+A draft is what one start of a seeder found, shortened a little: enough to tell what it will cost. Seeders
+differ more than their starts do, so all rivals of the portfolio are asked; one whose drafts fail or cost far
+more than the best is asked no more. The cheapest draft is then improved by large-neighbourhood search, and
+only the cheapest of different homotopy classes are tightened and given their knots.
+
+All efforts are counted, so the clock decides whether something is found, never what.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+from stplan.analysis.own_costs import own_costs
+from stplan.compiled import working_time
+from stplan.errors import SeedingError
+from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.requirement import held_requirement
+from stplan.problem.world_lines import WorldLines
+from stplan.seeding.homotopy import signature
+from stplan.seeding.portfolio import Portfolio, Rival, Seed
+from stplan.seeding.search.seed_improvement import ROUNDS, improve_seed, worthwhile_moves
+from stplan.seeding.seeder import Budget, SeedAttempt
+from stplan.seeding.shortcutting.shortcuts import take_shortcuts
+
+# A draft that costs so many times the cheapest one counts as a failure.
+OUTCLASSED = 1.5
+# States of the improved draft that compete with the others.
+IMPROVED = 3
+# Seeds prepared beyond those that are optimised: preparing changes who is cheapest.
+SPARES = 1
+
+
+@dataclass(frozen=True)
+class Draft:
+    """Clear curves of one start, shortened a little.
+
+    Attributes:
+        start: which start they come from, from 1.
+        rng_seed: of that start.
+        cost: of all agents by themselves, J s.
+    """
+
+    attempt: SeedAttempt
+    start: int
+    rng_seed: int
+    cost: float
+
+
+def tight_seeds(
+    problem: PlanningProblem, portfolio: Portfolio, first: SeedAttempt, share: float, most: int
+) -> tuple[Seed, ...]:
+    """Seeds of different classes, the cheapest first, all that `first` and its rivals lead to.
+
+    Args:
+        problem: as the scene has it; the portfolio's may have a smaller map.
+        share: factor on the starts and moves that the scene is worth.
+        most: how many will be optimised.
+
+    Raises:
+        SeedingError: none could be prepared.
+    """
+    maker = _Drafts(problem, portfolio)
+    drafts = [maker.draft(first, problem.scene.seeding.rng_seed)]
+    for rival in portfolio.rivals:
+        drafts += maker.compete(rival, share, min(draft.cost for draft in drafts))
+    drafts += maker.improved(min(drafts, key=_cost), share)
+    return maker.prepared(_distinct(problem, sorted(drafts, key=_cost)), most + SPARES)
+
+
+class _Drafts:
+    def __init__(self, problem: PlanningProblem, portfolio: Portfolio) -> None:
+        self._problem = problem
+        self._portfolio = portfolio
+        self._starts = 0
+
+    def draft(self, found: SeedAttempt, rng_seed: int) -> Draft:
+        """The draft of another start."""
+        self._starts += 1
+        return self._shortened(found, self._starts, rng_seed)
+
+    def compete(self, rival: Rival, share: float, best: float) -> Iterator[Draft]:
+        """Drafts of a rival, as long as it does not fail, and costs about as little as the `best`."""
+        failures = 0
+        rng_seed = self._problem.scene.seeding.rng_seed
+        for start in range(round(share * rival.starts)):
+            if failures == rival.patience:
+                break
+            found = rival.seeder.attempt(self._budget(rng_seed + start))
+            failures += 1
+            if found.clear:
+                draft = self.draft(found, rng_seed + start)
+                best = min(best, draft.cost)
+                failures = failures if draft.cost > OUTCLASSED * best else 0
+                yield draft
+
+    def improved(self, draft: Draft, share: float) -> list[Draft]:
+        """The cheapest states of different classes that large-neighbourhood search leads to."""
+        levels = self._portfolio.levels
+        moves = 0 if levels is None else round(share * worthwhile_moves(levels))
+        if levels is None or not moves:
+            return []
+        budget = self._budget(draft.rng_seed)
+        found = improve_seed(levels, draft.attempt, moves, budget, keep=IMPROVED)
+        return [
+            self._shortened(one, draft.start, draft.rng_seed)
+            for one in found
+            if one is not draft.attempt
+        ]
+
+    def prepared(self, drafts: Iterable[Draft], most: int) -> tuple[Seed, ...]:
+        """Up to `most` of the drafts as seeds, the cheapest first."""
+        seeds: list[Seed] = []
+        failed: SeedingError | None = None
+        for draft in drafts:
+            if len(seeds) == most:
+                break
+            try:
+                seed = self._portfolio.seed(draft.attempt, self._budget(draft.rng_seed))
+            except SeedingError as error:
+                failed = failed or error
+                continue
+            record = replace(seed.record, starts=self._starts, start=draft.start)
+            seeds.append(replace(seed, record=record))
+        if failed is not None and not seeds:
+            raise failed
+        return tuple(sorted(seeds, key=lambda seed: self._own_cost(seed.world_lines)))
+
+    def _shortened(self, found: SeedAttempt, start: int, rng_seed: int) -> Draft:
+        problem, required = self._portfolio.problem, self._portfolio.required
+        held = held_requirement(problem, found.curves, required)
+        curves = take_shortcuts(problem, found.curves, held, rng_seed=rng_seed, rounds=ROUNDS)
+        lines = WorldLines.from_curves(problem.agent_ids, curves)
+        return Draft(replace(found, curves=curves), start, rng_seed, self._own_cost(lines))
+
+    def _own_cost(self, lines: WorldLines) -> float:
+        return float(own_costs(self._problem.scene, lines).sum())
+
+    def _budget(self, rng_seed: int) -> Budget:
+        """A whole time limit for every start, so that one that is slow leaves the others as they are."""
+        return Budget(rng_seed, working_time() + self._problem.scene.seeding.time_limit)
+
+
+def _cost(draft: Draft) -> float:
+    return draft.cost
+
+
+def _distinct(problem: PlanningProblem, drafts: Iterable[Draft]) -> list[Draft]:
+    """The first draft of every class."""
+    chosen: dict[bytes, Draft] = {}
+    for draft in drafts:
+        chosen.setdefault(signature(problem, draft.attempt.curves), draft)
+    return list(chosen.values())
