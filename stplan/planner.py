@@ -270,7 +270,7 @@ def _say_notes(scene: Scene, free_space: FreeSpace | None, progress: Progress) -
 def _notes_of(problem: PlanningProblem) -> tuple[str, ...]:
     """What the user has to know about the map of `problem`, by key."""
     notes = () if problem.free_space is None else problem.free_space.notes
-    return tuple(f"{note.path}: {note.text}" for note in notes)
+    return tuple(f"{note.path}: {note.sentence}" for note in notes)
 
 
 def find_initial_curves(

@@ -10,7 +10,8 @@ import shapely
 
 from stplan.arrays import FloatArray
 from stplan.maps.obstacles import LineObstacle, Obstacle
-from stplan.maps.reader import Floor, MapError
+from stplan.maps.reader import Floor, MapError, Note
+from stplan.maps.repair import mended, nonzero
 from stplan.maps.spec import MapSpec
 
 
@@ -24,30 +25,38 @@ def read_floor(spec: MapSpec) -> Floor:
     area = base.area
     lines = [one for one in spec.obstacles if isinstance(one, LineObstacle)]
     thin = tuple(np.array(one.line) for one in lines if one.thickness is None)
+    notes = base.notes
     if len(thin) < len(spec.obstacles):
+        covered, more = _covered(spec.obstacles)
+        notes += more
         # One cut is a hundred times faster than one for each.
-        area = shapely.difference(area, _covered(spec.obstacles))
+        area = shapely.difference(area, covered)
+    refused = [note for note in notes if note.mending and not spec.repair]
+    if refused:
+        raise MapError(refused[0].path, f"{refused[0].text}; map.repair: true mends it")
     parts = [p for p in shapely.get_parts(area) if isinstance(p, shapely.Polygon) and p.area > 0]
     if not parts:
         raise MapError("map", "has no area left to move in")
     area = parts[0] if len(parts) == 1 else shapely.MultiPolygon(parts)
-    return replace(base, area=area, slits=_inside(area, (*base.slits, *thin)))
+    return replace(base, area=area, slits=_inside(area, (*base.slits, *thin)), notes=notes)
 
 
-def _covered(obstacles: Sequence[Obstacle]) -> shapely.Geometry:
-    """The union of all obstacles that have an area."""
-    rings = {k: one for k, one in enumerate(obstacles) if not isinstance(one, LineObstacle)}
-    shapes = polygons([one.outline() for one in rings.values()])
-    bad = np.flatnonzero(~shapely.is_valid(shapes) | (shapely.area(shapes) == 0))
-    if len(bad):
-        text = "has no area or cuts itself; a simple ring is expected"
-        raise MapError(f"map.obstacles[{list(rings)[bad[0]]}]", text)
+def _covered(obstacles: Sequence[Obstacle]) -> tuple[shapely.Geometry, tuple[Note, ...]]:
+    """The union of all obstacles that have an area, and notes on those that had to be mended."""
+    rings = [(k, one) for k, one in enumerate(obstacles) if not isinstance(one, LineObstacle)]
+    shapes = polygons([one.outline() for _, one in rings])
+    notes: list[Note] = []
+    for bad in np.flatnonzero(~shapely.is_valid(shapes) | (shapely.area(shapes) == 0)).tolist():
+        number, one = rings[bad]
+        outline = [(x, y) for x, y in one.outline().tolist()]
+        shapes[bad], own = mended(outline, f"map.obstacles[{number}]", nonzero)
+        notes += own
     walls = [
         _wall(np.array(one.line), one.thickness)
         for one in obstacles
         if isinstance(one, LineObstacle) and one.thickness is not None
     ]
-    return shapely.disjoint_subset_union_all(np.append(shapes, walls))
+    return shapely.disjoint_subset_union_all(np.append(shapes, walls)), tuple(notes)
 
 
 def _wall(line: FloatArray, thickness: float) -> shapely.Geometry:

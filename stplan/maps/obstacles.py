@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from stplan.arrays import FloatArray, Point
-from stplan.maps.rings import polyline, rectangle_ring, simple_ring
+from stplan.maps.rings import polyline, read_ring, rectangle_ring
 from stplan.schema.mapping import GIVEN, Fault, FileModel, key
 from stplan.schema.quantities import Point as PointKey
 from stplan.schema.quantities import Polyline, Positive, Rectangle, Ring
@@ -81,8 +81,10 @@ class LineObstacle:
 Obstacle = PolygonObstacle | CircleObstacle | LineObstacle
 
 
-def compile_obstacle(entry: ObstacleFile, path: str, faults: list[Fault]) -> Obstacle:
-    """The obstacle; with new `faults` it must not be used."""
+def compile_obstacle(
+    entry: ObstacleFile, path: str, faults: list[Fault], *, repair: bool = False
+) -> Obstacle:
+    """The obstacle; with new `faults` it must not be used. Rings are mended later where `repair`."""
     exactly_one(entry, ("rectangle", "polygon", "circle", "line"), path, faults)
     if entry.thickness is not None and entry.line is None:
         faults.append((f"{path}.thickness", "belongs to a line, and there is none"))
@@ -92,7 +94,7 @@ def compile_obstacle(entry: ObstacleFile, path: str, faults: list[Fault]) -> Obs
         x, y = entry.circle.center
         return CircleObstacle((x, y), entry.circle.radius)
     if entry.polygon is not None:
-        return PolygonObstacle(simple_ring(entry.polygon, f"{path}.polygon", faults))
+        return PolygonObstacle(read_ring(entry.polygon, f"{path}.polygon", faults, repair=repair))
     corners = entry.rectangle or [0, 0, 1, 1]
     return PolygonObstacle(rectangle_ring(corners, f"{path}.rectangle", faults))
 

@@ -10,12 +10,12 @@ import numpy as np
 
 from stplan.arrays import Point
 from stplan.maps.reader import Floor, MapBase, MapReader
-from stplan.maps.rings import rectangle_ring, simple_ring
+from stplan.maps.rings import RepairKeys, read_ring, rectangle_ring
 from stplan.schema.mapping import GIVEN, Fault, FileModel, key
 from stplan.schema.quantities import Rectangle, Ring
 
 
-class PolygonKeys(FileModel):
+class PolygonKeys(RepairKeys):
     """A polygon as the map."""
 
     polygon: Annotated[Ring | None, GIVEN] = key("base: an outer ring [[x, y], ...] in m")
@@ -28,6 +28,12 @@ class RectangleKeys(FileModel):
     rectangle: Annotated[Rectangle | None, GIVEN] = key("base: [xmin, ymin, xmax, ymax] in m")
 
 
+_APART = (
+    "holes inside the polygon and apart are expected (`obstacles` may reach its edge and each other), "
+    "or map.repair: true"
+)
+
+
 @dataclass(frozen=True)
 class PolygonBase(MapBase):
     """An outer ring with holes (a rectangle is four points)."""
@@ -36,10 +42,15 @@ class PolygonBase(MapBase):
     holes: tuple[tuple[Point, ...], ...] = ()
 
     def floor(self) -> Floor:
-        """The ring's inside less its holes'."""
+        """The ring's inside less its holes'. What is not simple is mended and noted."""
         import shapely
 
-        return Floor(shapely.Polygon(np.array(self.outer), [np.array(hole) for hole in self.holes]))
+        drawn = shapely.Polygon(np.array(self.outer), [np.array(hole) for hole in self.holes])
+        if shapely.is_valid(drawn) and drawn.area > 0:
+            return Floor(drawn)
+        from stplan.maps.repair import without_holes
+
+        return without_holes(self.outer, self.holes)
 
     def meaning(self) -> dict[str, Any]:
         """What the scene says, as it is hashed."""
@@ -48,22 +59,16 @@ class PolygonBase(MapBase):
 
 def _polygon(entry: PolygonKeys, folder: Path, faults: list[Fault]) -> PolygonBase:
     del folder
-    import shapely
-
-    before = len(faults)
+    before, repair = len(faults), entry.repair is not False
     base = PolygonBase(
-        simple_ring(entry.polygon or [], "map.polygon", faults),
+        read_ring(entry.polygon or [], "map.polygon", faults, repair=repair),
         tuple(
-            simple_ring(hole, f"map.holes[{k}]", faults) for k, hole in enumerate(entry.holes or [])
+            read_ring(hole, f"map.holes[{k}]", faults, repair=repair)
+            for k, hole in enumerate(entry.holes or [])
         ),
     )
-    if len(faults) == before and base.holes:
-        shape = shapely.Polygon(base.outer, base.holes)
-        if not shape.is_valid:
-            reason = shapely.is_valid_reason(shape)
-            faults.append(
-                ("map.holes", f"({reason}); holes inside the polygon, apart, are expected")
-            )
+    if len(faults) == before and base.holes and not repair:
+        faults.extend((note.path, f"{note.text}; {_APART}") for note in base.floor().notes)
     return base
 
 

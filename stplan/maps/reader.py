@@ -32,10 +32,22 @@ class MapError(SceneError):
 
 @dataclass(frozen=True)
 class Note:
-    """Something about a map that its user has to know; `path` is the key of the scene it is about."""
+    """Something about a map that its user has to know.
+
+    Attributes:
+        path: the key of the scene it is about.
+        text: what is the matter, and where.
+        mending: what was done to mend it, which `map.repair: false` refuses; empty where nothing had to be.
+    """
 
     path: str
     text: str
+    mending: str = ""
+
+    @property
+    def sentence(self) -> str:
+        """All of it."""
+        return f"{self.text}; {self.mending}" if self.mending else self.text
 
 
 @dataclass(frozen=True)

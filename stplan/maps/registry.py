@@ -11,14 +11,15 @@ from stplan.maps.mesh.base import MESH, MeshKeys
 from stplan.maps.obstacles import ObstacleFile, compile_obstacle, exactly_one
 from stplan.maps.polygon import POLYGON, RECTANGLE, PolygonKeys, RectangleKeys
 from stplan.maps.reader import MapReader
+from stplan.maps.rings import RepairKeys
 from stplan.maps.spec import MapSpec
-from stplan.schema.mapping import GIVEN, Fault, FileModel, key
+from stplan.schema.mapping import GIVEN, Fault, key
 from stplan.schema.quantities import Positive
 
 MOST_OBSTACLES = 100_000
 
 
-class CommonKeys(FileModel):
+class CommonKeys(RepairKeys):
     """What every map may have."""
 
     obstacles: Annotated[
@@ -44,16 +45,17 @@ def compile_map(entry: MapFile, folder: Path, faults: list[Fault]) -> MapSpec:
     reader = next((one for one in READERS if one.key == chosen), RECTANGLE)
     _check_options(entry, faults)
     base = reader.compile(entry, folder, faults)
+    repair = entry.repair is not False
     obstacles = tuple(
-        compile_obstacle(obstacle, f"map.obstacles[{k}]", faults)
+        compile_obstacle(obstacle, f"map.obstacles[{k}]", faults, repair=repair)
         for k, obstacle in enumerate(entry.obstacles or [])
     )
-    return MapSpec(base, obstacles, entry.resolution)
+    return MapSpec(base, obstacles, entry.resolution, repair)
 
 
 def _check_options(entry: MapFile, faults: list[Fault]) -> None:
     """A fault for every key that belongs to a base that is not given."""
-    for name in type(entry).model_fields:
+    for name in type(entry).model_fields.keys() - CommonKeys.model_fields.keys():
         owners = [one for one in READERS if name in one.keys.model_fields and name != one.key]
         if not owners or getattr(entry, name) is None:
             continue

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import numpy as np
 
 from stplan.arrays import Point
-from stplan.schema.mapping import Fault
+from stplan.schema.mapping import GIVEN, Fault, FileModel, key
 
 
 def rectangle_ring(values: Sequence[float], path: str, faults: list[Fault]) -> tuple[Point, ...]:
@@ -25,10 +26,23 @@ def rectangle_ring(values: Sequence[float], path: str, faults: list[Fault]) -> t
     return ((x0, y0), (x1, y0), (x1, y1), (x0, y1))
 
 
-def simple_ring(
-    points: Sequence[Sequence[float]], path: str, faults: list[Fault]
+class RepairKeys(FileModel):
+    """What happens to rings that are not simple."""
+
+    repair: Annotated[bool | None, GIVEN] = key(
+        "mend rings that cross, touch or retrace themselves, with a warning; false refuses them",
+        True,
+    )
+
+
+def read_ring(
+    points: Sequence[Sequence[float]], path: str, faults: list[Fault], *, repair: bool = False
 ) -> tuple[Point, ...]:
-    """The corners, once each: a ring may be written closed."""
+    """The corners, once each: a ring may be written closed, in either direction.
+
+    Args:
+        repair: whether one that is not simple is no fault: it is mended later on.
+    """
     import shapely
 
     ring = tuple((point[0], point[1]) for point in points)
@@ -39,12 +53,14 @@ def simple_ring(
             (path, f"has {len(set(ring))} distinct points; a ring of at least 3 is expected")
         )
         return ring
-    shape = shapely.Polygon(np.array(ring))
-    if not shape.is_valid:
-        reason = shapely.is_valid_reason(shape)
-        faults.append((path, f"crosses or touches itself ({reason}); a simple ring is expected"))
-    elif shape.area == 0:
+    corners = np.array(ring)
+    if shapely.get_dimensions(shapely.convex_hull(shapely.multipoints(corners))) < 2:
         faults.append((path, "has no area; corners that are not on one line are expected"))
+    elif not repair and not shapely.is_valid(shapely.Polygon(corners)):
+        from stplan.maps.repair import enclosed, even_odd
+
+        what = "; ".join(enclosed(corners, even_odd).faults)
+        faults.append((path, f"{what}; a simple ring is expected, or map.repair: true"))
     return ring
 
 

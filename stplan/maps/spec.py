@@ -6,12 +6,20 @@ from dataclasses import dataclass
 
 from stplan.maps.obstacles import Obstacle
 from stplan.maps.reader import MapBase
+from stplan.schema.hashing import added
 
 
 @dataclass(frozen=True)
 class MapSpec:
-    """The map as written: a base, obstacles cut out of it, wanted edge length of the mesh (m)."""
+    """The map as written.
+
+    Attributes:
+        obstacles: cut out of the base.
+        resolution: wanted edge length of the seeding mesh, m.
+        repair: whether what is not simple is mended instead of refused.
+    """
 
     base: MapBase
     obstacles: tuple[Obstacle, ...] = ()
     resolution: float | None = None
+    repair: bool = added(True)

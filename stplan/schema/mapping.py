@@ -14,7 +14,7 @@ Fault = tuple[str, str]
 GIVEN = NotNull()
 
 
-def key(description: str, default: float | str | None = None) -> Any:
+def key(description: str, default: float | str | bool | None = None) -> Any:
     """A key that may be left out; `default` is what a reader may take for granted then."""
     extra: dict[str, Any] = {} if default is None else {"default": default}
     return Field(None, description=description, json_schema_extra=extra)

@@ -149,7 +149,7 @@ def build_free_space(scene: Scene) -> FreeSpace | None:
 def warnings_of(scene: Scene, free_space: FreeSpace | None) -> list[str]:
     """What the user of `scene` has to know about its map, with file, line and key."""
     notes = () if free_space is None else free_space.notes
-    return [f"warning: {scene.located(note.path, note.text)}" for note in notes]
+    return [f"warning: {scene.located(note.path, note.sentence)}" for note in notes]
 
 
 def _slit_edges(slits: Sequence[FloatArray]) -> FloatArray:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapely
@@ -48,10 +50,17 @@ def test_many_obstacles_take_one_cut(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_the_obstacle_at_fault_is_named() -> None:
-    spec = MapSpec(SQUARE, (box(1, 1, 1, 1), PolygonObstacle(((0, 0), (5, 5), (5, 0), (0, 5)))))
-    with pytest.raises(SceneError, match="has no area or cuts itself") as caught:
-        read_floor(spec)
+    crossed = PolygonObstacle(((0, 0), (5, 5), (5, 0), (0, 5)))
+    spec = MapSpec(SQUARE, (box(1, 1, 1, 1), crossed))
+    (note,) = read_floor(spec).notes
+    assert note.path == "map.obstacles[1]"
+    with pytest.raises(SceneError, match=r"crosses itself at \(2\.5, 2\.5\)") as caught:
+        read_floor(replace(spec, repair=False))
     assert caught.value.path == "map.obstacles[1]"
+    flat = PolygonObstacle(((0, 0), (5, 5), (2, 2)))
+    with pytest.raises(SceneError, match="has no area") as caught:
+        read_floor(MapSpec(SQUARE, (flat, box(1, 1, 1, 1))))
+    assert caught.value.path == "map.obstacles[0]"
 
 
 def test_a_ring_of_many_corners_is_read_and_keeps_its_corners() -> None:

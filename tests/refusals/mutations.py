@@ -126,7 +126,7 @@ def list_length(tree: dict[str, Any], rng: random.Random) -> str | None:
 
 
 def ring(tree: dict[str, Any], rng: random.Random) -> str | None:
-    """A ring crosses itself, has no area or too few corners."""
+    """A ring crosses itself and is not to be mended, has no area or too few corners."""
     spot = _pick(
         tree, rng,
         lambda key, value: isinstance(value, list) and len(value) >= 3
@@ -135,6 +135,7 @@ def ring(tree: dict[str, Any], rng: random.Random) -> str | None:
     if spot is None or "waypoints" in spot[2] or "agents" in spot[2]:
         return None
     container, key, path = spot
+    tree["map"]["repair"] = False
     x, y, k = rng.uniform(2, 8), rng.uniform(2, 6), rng.randint(1, 4)
     container[key] = rng.choice(
         [

@@ -92,8 +92,10 @@ def test_pair(entry, message):
             ["4:7: map.rectangle: is a list of 3; a rectangle [xmin, ymin, xmax, ymax] in m is"],
         ),
         (
-            "{polygon: [[0, 0], [1, 1], [1, 0], [0, 1]]}",
-            ["4:7: map.polygon: crosses or touches itself (Self-intersection[0.5 0.5]); a simple"],
+            "{polygon: [[0, 0], [1, 1], [1, 0], [0, 1]], repair: false}",
+            [
+                "4:7: map.polygon: touches or crosses itself at (0.5, 0.5); a simple ring is expected"
+            ],
         ),
         (
             "{polygon: [[0, 0], [1, 1], [0, 0]]}",
@@ -101,8 +103,9 @@ def test_pair(entry, message):
         ),
         ("{polygon: [[0, 0], [1, 1]]}", ["4:7: map.polygon: is a list of 2; at least 3 is"]),
         (
-            "{polygon: [[0, 0], [9, 0], [9, 9], [0, 9]], holes: [[[8, 8], [10, 8], [8, 10]]]}",
-            ["4:50: map.holes: (Self-intersection[8 9]); holes inside the polygon, apart, are"],
+            "{polygon: [[0, 0], [9, 0], [9, 9], [0, 9]], holes: [[[8, 8], [10, 8], [8, 10]]], "
+            "repair: false}",
+            ["4:58: map.holes[0]: reaches the edge of the polygon at (9, 9); holes inside the"],
         ),
         (
             "{rectangle: [0, 0, 9, 9], obstacles: [{}, {rectangle: [1, 1, 0, 2]}]}",
