@@ -36,6 +36,7 @@ _DEFAULTS: dict[str, Any] = {
     "bound_mult_init_method": "mu-based",
     # Bounds are promises: never relaxed, and the start is hardly pushed away from them.
     "bound_relax_factor": 0.0,
+    "slack_move": 0.0,
     "bound_push": 1e-8,
     "bound_frac": 1e-8,
     "slack_bound_push": 1e-8,
@@ -71,6 +72,12 @@ class _Callbacks:
         self.iterations = 0
         self.ipopt_mu = float(_DEFAULTS["mu_init"])
         self.handle: Any = None
+
+    def within_bounds(self, x: FloatArray) -> FloatArray:
+        """`x` with what rounding has moved past its bounds put back on them."""
+        bounds = self._program.constraints
+        clipped: FloatArray = np.clip(x, bounds.lower.ravel(), bounds.upper.ravel())
+        return clipped
 
     def objective(self, x: FloatArray) -> float:
         value = self._control.value(x)
@@ -113,7 +120,7 @@ class _Callbacks:
     ) -> bool:
         current = self.handle.get_current_iterate() if alg_mod == 0 else None
         if current is not None:
-            x = np.array(current["x"])
+            x = self.within_bounds(np.array(current["x"]))
             if np.isfinite(self._control.value(x)):
                 self._control.accept(x, alpha_pr if iter_count else 1.0)
         self.iterations = iter_count
@@ -182,7 +189,7 @@ class Ipopt:
                 f"Ipopt does not start with linear solver {self.linear_solver} and the options "
                 f"{dict(self.options)} of solver.ipopt"
             )
-        solution = np.asarray(solution)
+        solution = callbacks.within_bounds(np.asarray(solution))
         feasible = np.isfinite(solution).all() and np.isfinite(control.value(solution))
         return Solution(
             knots=solution.reshape(-1, 3).copy() if feasible else control.iterate,
