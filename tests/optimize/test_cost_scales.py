@@ -38,7 +38,7 @@ map:
 """
 FRIENDS = "pairs: [{between: [sam, eve], grouping: 0.7}, {between: [ann, bus], distance: 1.1}]"
 MEET = "pairs: [{between: [sam, eve], meet: {within: 1.2}}]"
-FAST = {"sam": "max_speed: 0.97,", "ann": "max_acceleration: 0.5,", "eve": "max_speed: 0.8,"}
+FAST = {"sam": "max_speed: 0.97,", "ann": "max_acceleration: 0.5,", "eve": "max_speed: 0.45,"}
 
 
 WALKS = {"map": ROOM, "pairs": FRIENDS, "solver": "clearance_model: smooth-minimum"}
