@@ -116,6 +116,19 @@ def scene_interactions(scene: Scene) -> Interactions:
     return PairSettings(scene).between(everyone, everyone)
 
 
+def pair_clearances(scene: Scene) -> FloatArray | None:
+    """(A, A) clearance in m that pairs wish for beyond their distance; None where nobody wishes for any."""
+    own = np.array([agent.clearance for agent in scene.agents])
+    rules = [rule for rule in scene.pairs if rule.clearance is not None]
+    if not own.any() and not rules:
+        return None
+    wish: FloatArray = np.maximum(own[:, None], own[None, :])
+    for rule in rules:
+        wish[np.ix_(rule.left, rule.right)] = rule.clearance
+        wish[np.ix_(rule.right, rule.left)] = rule.clearance
+    return wish
+
+
 @dataclass(frozen=True)
 class Meeting:
     """Agents `first` < `second` have to meet as `meet` says."""

@@ -28,6 +28,7 @@ class Weights:
     regularity: float | None = None
     collision: float = 1.0
     wall: float = 1.0
+    clearance: float = added(1.0)
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,7 @@ class Agent:
 
     `visits` has one entry a waypoint, or none at all where no waypoint asks for anything. With a
     `max_acceleration` (m/s^2) the agent starts and ends at rest; `max_speed` is in m/s.
-    `path`, where given, is the whole world line ((x, y, t), ...): the motion is prescribed, and
+    `clearance` (m) is wished for beyond the radius. `path`, where given, is the whole world line ((x, y, t), ...): the motion is prescribed, and
     `start`, `goal`, `start_time` and `max_time` repeat its ends.
     """
 
@@ -63,6 +64,7 @@ class Agent:
     max_speed: float | None = None
     max_acceleration: float | None = None
     visits: tuple[Visit, ...] = ()
+    clearance: float = added(0.0)
 
 
 @dataclass(frozen=True)
@@ -84,6 +86,7 @@ class PairRule:
     collide: bool | None = None
     meet: Meet | None = None
     collision: float | None = added(None)
+    clearance: float | None = added(None)
 
 
 @dataclass(frozen=True)

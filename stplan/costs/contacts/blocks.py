@@ -97,6 +97,14 @@ class ContactBlocks:
         return np.ascontiguousarray(self._sorted[:, 1])
 
 
+def own_blocks(segments: IntArray, num_knots: int) -> ContactBlocks:
+    """Every segment's own blocks: walls couple nothing else, so this structure is never stale."""
+    first, second = segments, segments + 1
+    own = np.union1d(first, second)
+    blocks = np.vstack([np.column_stack([own, own]), np.column_stack([second, first])])
+    return ContactBlocks(blocks, num_knots, dimension=2)
+
+
 @dataclass(frozen=True)
 class DenseCoupling:
     """coupling * grad d grad d^T of smooth minima, a dense lower triangle a group.

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.costs.contacts.blocks import ContactBlocks, DenseCoupling
+from stplan.costs.contacts.blocks import DenseCoupling, own_blocks
 from stplan.costs.contacts.contact_set import ContactSet
 from stplan.costs.contacts.contact_term import ContactModel, ContactTerm
 from stplan.costs.contacts.passage import walls_stay_clear
@@ -105,7 +105,7 @@ class Wall(ContactTerm):
             coupling = DenseCoupling(candidates.find(knots, skin), len(knots), dimension=2)
         super().__init__(
             ContactSet.fresh(candidates, knots, skin),
-            ContactModel(potential, _own_blocks(self._segments, len(knots)), coupling),
+            ContactModel(potential, own_blocks(self._segments, len(knots)), coupling),
         )
 
     @classmethod
@@ -144,11 +144,3 @@ class Wall(ContactTerm):
         ends = np.ascontiguousarray(knots[self._segments + 1, :2])
         near = self._boundary.near(starts, ends, np.zeros(len(starts)))
         return bool(crossings(starts, ends, near, self._boundary.edges).any())
-
-
-def _own_blocks(segments: IntArray, num_knots: int) -> ContactBlocks:
-    """Every segment's own blocks: walls couple nothing else, so this structure is never stale."""
-    first, second = segments, segments + 1
-    own = np.union1d(first, second)
-    blocks = np.vstack([np.column_stack([own, own]), np.column_stack([second, first])])
-    return ContactBlocks(blocks, num_knots, dimension=2)

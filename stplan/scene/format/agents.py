@@ -43,6 +43,9 @@ class WeightsFile(FileModel):
     wall: Annotated[NotNegative | None, GIVEN] = key(
         "K^M of nearness to walls; 0 switches them off for this agent", 1.0
     )
+    clearance: Annotated[NotNegative | None, GIVEN] = key(
+        "K^W of missing the wished clearance, over the mean kinetic cost of the agents", 1.0
+    )
 
 
 class WaypointFile(FileModel):
@@ -77,6 +80,10 @@ class SharedFields(FileModel):
         "needed by, and felt through, weights.arrival"
     )
     radius: Annotated[Positive | None, GIVEN] = key("radius of comfort, m", 0.3)
+    clearance: Annotated[NotNegative | None, GIVEN] = key(
+        "what it would like to keep beyond the radius, from agents and walls, where that is worth it, m",
+        0.0,
+    )
     mass: Annotated[Positive | None, GIVEN] = key("mass, kg", 1.0)
     after_arrival: Annotated[Literal["stay", "vanish"] | None, GIVEN] = key(
         "stay on the goal until the horizon, or vanish on arrival", "stay"

@@ -59,6 +59,9 @@ class PairSettingsFile(_Model):
     collision: Annotated[Factor | None, _GIVEN] = _key(
         "K^C of the pair, instead of the mean of both agents'"
     )
+    clearance: Annotated[NotNegative | None, _GIVEN] = _key(
+        "what the pair would like to keep beyond its distance, m, instead of the greater wish of both"
+    )
     collide: Annotated[bool | None, _GIVEN] = _key("false lets the pair pass through each other")
     meet: Annotated[MeetFile | None, _GIVEN] = _key("the two have to meet")
 

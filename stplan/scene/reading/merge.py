@@ -104,6 +104,7 @@ class _Merge:
             max_speed=max_speed,
             max_acceleration=max_acceleration,
             visits=visits,
+            clearance=self._value("clearance", 0.0),
         )
 
     def _weights(self) -> Weights:

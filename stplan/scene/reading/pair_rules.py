@@ -56,7 +56,7 @@ def group_rules(
             else:
                 names[group.name] = members
         elif not _changes(group):
-            text = "changes nothing; distance, grouping, collision, collide, meet or a name is expected"
+            text = "changes nothing; distance, grouping, collision, clearance, collide, meet or a name is expected"
             faults.append((path, text))
         if _changes(group):
             rules.append(Placed(path, _rule(members, members, group, f"{path}.meet", faults)))
@@ -90,7 +90,7 @@ def pair_rules(
             faults.append((f"{path}.between", "is an agent and itself; two agents are expected"))
         if not _changes(entry):
             faults.append(
-                (path, "changes nothing; distance, grouping, collision or collide is expected")
+                (path, "changes nothing; distance, grouping, collision, clearance or collide is expected")
             )
         rules.append(Placed(path, _rule(left, right, entry, f"{path}.meet", faults)))
     return rules
@@ -128,7 +128,8 @@ def _rule(
         faults.append((path, text))
         meet = None
     return PairRule(
-        left, right, entry.distance, entry.grouping, entry.collide, meet, entry.collision
+        left, right, entry.distance, entry.grouping, entry.collide, meet, entry.collision,
+        entry.clearance,
     )
 
 
