@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.costs.contacts.potential import REFERENCE_SEGMENTS
+from stplan.costs.contacts.shares import REFERENCE_SEGMENTS
 from stplan.costs.formulation import Formulation
 from stplan.costs.limit import LimitBarrier
 from stplan.optimize.scales import RANGE_SHARE

@@ -45,7 +45,8 @@ class Agent:
 
     `visits` has one entry a waypoint, or none at all where no waypoint asks for anything. With a
     `max_acceleration` (m/s^2) the agent starts and ends at rest; `max_speed` is in m/s.
-    `clearance` (m) is wished for beyond the radius. `path`, where given, is the whole world line ((x, y, t), ...): the motion is prescribed, and
+    `clearance` (m) is wished for beyond the radius.
+    `path`, where given, is the whole world line ((x, y, t), ...): the motion is prescribed, and
     `start`, `goal`, `start_time` and `max_time` repeat its ends.
     """
 

@@ -8,12 +8,14 @@ from functools import partial
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.costs.contacts.shares import knot_shares, rod_shares
 from stplan.costs.contacts.smooth_minimum import SmoothMinimum
-from stplan.costs.contacts.wall_candidates import EdgeSearch
+from stplan.costs.contacts.wall_candidates import EdgeSearch, WallCandidates
 from stplan.costs.limit import LimitBarrier, LimitPenalty
 from stplan.costs.terms.acceleration import Acceleration
 from stplan.costs.terms.acceleration_limit import AccelerationLimit, RestLimit
 from stplan.costs.terms.arrival import Arrival
+from stplan.costs.terms.clearance_wish import PairClearance, WallClearance
 from stplan.costs.terms.collision import Collision
 from stplan.costs.terms.grouping import Grouping
 from stplan.costs.terms.kinetic import Kinetic
@@ -95,6 +97,25 @@ def sample_wall(
     )  # fmt: skip
 
 
+def _pair_clearance() -> PairClearance:
+    interactions = sample_interactions()
+    wish = np.array([[0.0, 2.5, 0.4], [2.5, 0.0, 1.5], [0.4, 1.5, 0.0]])
+    return PairClearance(
+        sample_knots(), RODS, interactions.collides, interactions.distance, wish, 3.0 * wish,
+        rod_shares(RODS, LAYOUT.num_knots),
+    )  # fmt: skip
+
+
+def _wall_clearance() -> WallClearance:
+    wish = np.array([1.5, 0.0, 2.0])
+    candidates = WallCandidates(
+        LAYOUT, LAYOUT.segment, CORNERS, EDGES, RADII + wish, BOUNDARY
+    )  # fmt: skip
+    return WallClearance(
+        sample_knots(), candidates, RADII, wish, WEIGHTS, knot_shares(LAYOUT, len(CORNERS))
+    )
+
+
 def samples() -> dict[str, dict[str, Callable[[], Term]]]:
     """By the name of every registered term: its variants, ready to be differentiated at `sample_knots()`."""
     speeds, accelerations = np.array([2.5, np.inf, 4.0]), np.array([np.inf, 0.5, 2.5])
@@ -121,6 +142,8 @@ def samples() -> dict[str, dict[str, Callable[[], Term]]]:
             str(one): partial(MeetingLimit, links, within, one, LAYOUT.num_knots)
             for one in PROFILES
         },
+        "pair clearance": {"": _pair_clearance},
+        "wall clearance": {"": _wall_clearance},
         "collision": {label: partial(sample_collision, *model) for label, model in models.items()},
         "wall": {label: partial(sample_wall, *model) for label, model in models.items()},
     }

@@ -147,6 +147,11 @@ class _Costs:
                     )
                     felt = self._felt(free, weights, reach, alpha, "pair_alphas")
                     found.append(("collision", strength * felt))
+                    wish = max(self.agents[name].get("clearance", 0.0) for name in (a, b))
+                    wished = [self.weight(name, "clearance", 1.0) for name in (a, b)]
+                    missed = self._missed(gaps - distance, weights, wish)
+                    if any("clearance" in agent for agent in self.agents.values()):
+                        found.append(("pair clearance", 0.5 * sum(wished) * missed))
                 if grouping:
                     own = gaps[: len(self.curves[a]) - 1, : len(self.curves[b]) - 1]
                     smooth = _smooth_minimum(own, self.scales["grouping_alpha"])
@@ -168,6 +173,12 @@ class _Costs:
             return 0.0
         pairs = zip(free.ravel(), weights.ravel(), strict=True)
         return sum(weight * _barrier(one, reach) for one, weight in pairs)
+
+    def _missed(self, free: np.ndarray, weights: np.ndarray, wish: float) -> float:
+        if not wish:
+            return 0.0
+        unit = self.scales["energy"] / self.scales["reference_segments"]
+        return unit * float((weights * np.maximum((wish - free) / wish, 0.0) ** 3).sum())
 
     def _walls(self) -> list[tuple[str, float]]:
         if "map" not in self.scene:
@@ -202,6 +213,9 @@ class _Costs:
             weights = np.full(free.shape, self._share(name))
             felt = self._felt(free, weights, reach, alpha, "wall_alphas")
             found.append(("wall", strength * felt))
+            missed = self._missed(gaps - radius, weights, self.agents[name].get("clearance", 0.0))
+            if any("clearance" in agent for agent in self.agents.values()):
+                found.append(("wall clearance", self.weight(name, "clearance", 1.0) * missed))
         return found
 
     def _meetings(self) -> list[tuple[str, float]]:

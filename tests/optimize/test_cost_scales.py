@@ -65,6 +65,10 @@ WALKS = {"map": ROOM, "pairs": FRIENDS, "solver": "clearance_model: smooth-minim
             {"acceleration", "arrival", "collision", "wall"},
         ),
         (
+            {"map": ROOM, "sam": "clearance: 0.2,", "ann": "clearance: 0.25,"},
+            {"acceleration", "arrival", "collision", "wall", "pair clearance", "wall clearance"},
+        ),
+        (
             {"pairs": MEET, **FAST},
             {"acceleration", "arrival", "collision", "meeting", "speed limit", "acceleration limit"}
             | {"rest limit"},

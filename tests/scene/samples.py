@@ -112,6 +112,7 @@ def places(messages: list[str]) -> list[tuple[int, int]]:
 
 
 _AGENT: dict[str, Any] = {
+    "clearance": 0.1,
     "start_time": 0.5,
     "max_time": 18.0,
     "preferred_time": 9.0,
@@ -128,6 +129,7 @@ _AGENT: dict[str, Any] = {
         "regularity": 0.2,
         "collision": 3.0,
         "wall": 0.5,
+        "clearance": 2.0,
     },
 }
 

@@ -84,7 +84,10 @@ def test_limits_and_visits_that_are_refused(own, words):
             "groups[0].members: there is no agent 'an'",
         ),
         ("groups: [{members: [sam], grouping: 1}]", "groups[0].members: name fewer than two"),
-        ("groups: [{members: [sam, ann]}]", "groups[0]: changes nothing; distance, grouping"),
+        (
+            "groups: [{members: [sam, ann]}]",
+            "groups[0]: changes nothing; one of distance, grouping",
+        ),
         ("groups: [{name: sam, members: [sam, ann]}]", "groups[0].name: is 'sam', which means"),
         ("groups: [{name: all, members: [sam, ann]}]", "groups[0].name: is 'all', which means"),
         ("pairs: [{between: [sam, ann], meet: {}}]", "pairs[0].meet.within: is missing"),

@@ -47,7 +47,7 @@ FAULTS = [
         ("Radius: 0.3", "8:5: agents[0].Radius: unknown key; did you mean 'radius'?"),
         (
             "colour: red",
-            "8:5: agents[0].colour: unknown key; start_time, max_time, preferred_time, radius, "
+            "8:5: agents[0].colour: unknown key; start_time, max_time, preferred_time, radius, clearance, "
             "mass, after_arrival, max_speed, max_acceleration, waypoints, weights, id, start, goal and "
             "path are known",
         ),

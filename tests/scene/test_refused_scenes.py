@@ -49,7 +49,8 @@ from tests.scene.samples import (
         ),
         (
             "{between: [sam, ann]}",
-            "4:3: pairs[0]: changes nothing; distance, grouping, collision, clearance or collide is expected",
+            "4:3: pairs[0]: changes nothing; one of distance, grouping, collision, clearance, collide, "
+            "meet is expected",
         ),
         (
             "{between: [sam, ann], distance: 0}",

@@ -3,7 +3,7 @@
 Two models of "far enough apart" share everything else:
 
 - contacts: the sum of barriers of every contact, sum_k w_k K_k b(D_k - R_k), with weights w_k that keep
-  it from growing with the number of segments (`segment_shares`);
+  it from growing with the number of segments (`shares.segment_shares`);
 - smooth minimum: a barrier of the log-sum-exp minimum of a group of contacts (the paper's d),
   d = m - log(sum_k exp(-alpha (D_k - m))) / alpha with m the least D_k, so that nothing overflows.
   With softmax weights w_k it has the gradient sum_k w_k grad D_k and the Hessian
@@ -24,9 +24,6 @@ from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import kernel
 from stplan.costs.contacts.barrier import barrier
 from stplan.costs.contacts.contact_set import ContactList
-
-# n_0: of curves with no more segments than these every contact counts in full. Seeds get about as many.
-REFERENCE_SEGMENTS = 30
 
 
 @dataclass(frozen=True)
@@ -49,15 +46,6 @@ class Coefficients:
     curvature: FloatArray
     majorizer: FloatArray
     coupling: FloatArray
-
-
-def segment_shares(num_segments: IntArray) -> FloatArray:
-    """(A,) weights of one of n segments of a curve in sums over contacts, min(1, n_0 / n).
-
-    Where two curves come near each other, twice as many segments of both make four times as many
-    contacts. With the product of both weights the sum tends to an integral over both curves instead.
-    """
-    return np.minimum(1.0, REFERENCE_SEGMENTS / np.maximum(num_segments, 1))
 
 
 class Potential(Protocol):

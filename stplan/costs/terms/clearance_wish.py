@@ -1,9 +1,9 @@
-"""Wished clearances: C^W = K^W E / n_0 sum_k w_k ((s - z_k) / s)^3 over contacts with a clearance z_k below s.
+"""Wished clearances: C^W = K^W (E / n_0) sum_k w_k ((s - z_k) / s)^3 over contacts of clearance z_k < s.
 
-`radius` and `distance` have to be kept; a wish s beyond them costs where it is missed, and nothing where it is met. The cube
-is twice differentiable at z = s, and K^W E is what an agent pays that touches somebody all the way: E is the mean kinetic cost of
-the seed's agents, w_k and n_0 make a sum over contacts one over a curve, as for barriers. Of a pair the greater wish counts, unless
-the pair has its own, and the mean of both weights.
+`radius` and `distance` have to be kept; a wish s beyond them costs where it is missed, and nothing where
+it is met. The cube is twice differentiable at z = s. With E the mean kinetic cost of the seed's agents,
+and w_k and n_0 as for barriers, K^W E is about what an agent pays that touches somebody all the way. Of
+a pair the greater wish counts, unless the pair has its own, and the mean of both weights.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from stplan.costs.contacts.contact_set import ContactList, ContactSet
 from stplan.costs.contacts.contact_term import ContactModel, ContactTerm
 from stplan.costs.contacts.potential import Coefficients
 from stplan.costs.contacts.rod_candidates import RodCandidates
+from stplan.costs.contacts.shares import REFERENCE_SEGMENTS, knot_shares, rod_shares
 from stplan.costs.contacts.wall_candidates import WallCandidates
 from stplan.costs.formulation import Formulation, TermSetup
 from stplan.costs.registry import register
@@ -51,7 +52,11 @@ class WishedClearance:
         wish = np.where(self.wish[of] > 0.0, self.wish[of], 1.0)
         missing = np.maximum((self.radius[of] + self.wish[of] - distance) / wish, 0.0)
         missing[self.wish[of] <= 0.0] = 0.0
-        weight = self.weight[of] * self.shares[contacts.points[:, 1]] * self.shares[contacts.points[:, 3]]
+        weight = (
+            self.weight[of]
+            * self.shares[contacts.points[:, 1]]
+            * self.shares[contacts.points[:, 3]]
+        )
         curvature = 6.0 * weight * missing / wish**2
         return Coefficients(
             value=float((weight * missing**3).sum()),
@@ -112,7 +117,7 @@ class PairClearance(ContactTerm):
         weight = 0.5 * (own[:, None] + own[None, :]) * _unit(formulation)
         return cls(
             setup.knots, formulation.rods, problem.interactions.collides, problem.distance, wish,
-            weight, segment_weights(formulation.rods, len(setup.knots)),
+            weight, rod_shares(formulation.rods, len(setup.knots)),
         )  # fmt: skip
 
 
@@ -166,7 +171,7 @@ class WallClearance(ContactTerm):
         return cls(
             setup.knots, candidates, problem.radii, wish,
             formulation.weights("clearance") * _unit(formulation),
-            knot_weights(layout, len(free_space.boundary_vertices)),
+            knot_shares(layout, len(free_space.boundary_vertices)),
         )  # fmt: skip
 
 

@@ -22,9 +22,9 @@ from stplan.costs.contacts.potential import (
     ContactBarriers,
     Potential,
     SmoothMinimumBarriers,
-    segment_shares,
 )
 from stplan.costs.contacts.rod_candidates import BroadPhase, RodCandidates
+from stplan.costs.contacts.shares import rod_shares
 from stplan.costs.contacts.smooth_minimum import NEGLIGIBLE, SmoothMinimum, weighing_reach
 from stplan.costs.formulation import TermSetup
 from stplan.costs.registry import register
@@ -77,7 +77,7 @@ class Collision(ContactTerm):
         widest = float(distance[collides].max(initial=1.0))
         skin = 0.5 * (float(felt.max()) if len(felt) else widest)
         potential: Potential = ContactBarriers(
-            radius, weight, reach.ravel(), _shares(rods, num_knots=len(knots))
+            radius, weight, reach.ravel(), rod_shares(rods, len(knots))
         )
         curved = candidates
         if smooth is not None:
@@ -124,15 +124,6 @@ class Collision(ContactTerm):
         """Whether no two rods pass through each other between the two."""
         pairs = self._interactions
         return rods_stay_apart(self._rods, start, end, pairs.collides, pairs.distance)
-
-
-def _shares(rods: Rods, num_knots: int) -> FloatArray:
-    """(P,) what a segment weighs in sums over contacts, by the position it ends at."""
-    own = len(rods.segments) - len(rods.tail_ends)
-    shares = np.ones(num_knots + len(rods.tail_ends))
-    agents = rods.agents[:own]
-    shares[rods.segments[:own, 1]] = segment_shares(np.bincount(agents))[agents]
-    return shares
 
 
 @dataclass(frozen=True)

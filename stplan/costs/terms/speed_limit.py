@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.costs.contacts.potential import segment_shares
+from stplan.costs.contacts.shares import segment_shares
 from stplan.costs.formulation import TermSetup
 from stplan.costs.limit import MotionLimit, Profile, Vectors, limit_profile, power_vectors
 from stplan.costs.registry import register

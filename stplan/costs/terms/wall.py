@@ -21,8 +21,8 @@ from stplan.costs.contacts.potential import (
     ContactBarriers,
     Potential,
     SmoothMinimumBarriers,
-    segment_shares,
 )
+from stplan.costs.contacts.shares import knot_shares
 from stplan.costs.contacts.smooth_minimum import SmoothMinimum, weighing_reach
 from stplan.costs.contacts.wall_candidates import EdgeSearch, WallCandidates
 from stplan.costs.formulation import TermSetup
@@ -83,8 +83,7 @@ class Wall(ContactTerm):
         )  # fmt: skip
         felt = reach[(weights > 0) & np.isfinite(reach)]
         skin = 0.5 * (float(felt.max()) if len(felt) else float(radii.max()))
-        shares = np.ones(len(knots) + len(boundary_vertices))
-        shares[: len(knots)] = segment_shares(layout.num_segments)[layout.agent_of_knot]
+        shares = knot_shares(layout, len(boundary_vertices))
         potential: Potential = ContactBarriers(radii, mu * weights, reach, shares)
         coupling = None
         if smooth is not None:

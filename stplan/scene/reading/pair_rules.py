@@ -15,6 +15,7 @@ from stplan.scene.presence import present_until
 from stplan.scene.reading.faults import Hints
 from stplan.schema.mapping import Fault
 
+_KEYS = "one of distance, grouping, collision, clearance, collide, meet"
 # More meetings than this are a mistake: every one is a constraint of its own.
 MOST_MEETINGS = 10_000
 
@@ -56,7 +57,7 @@ def group_rules(
             else:
                 names[group.name] = members
         elif not _changes(group):
-            text = "changes nothing; distance, grouping, collision, clearance, collide, meet or a name is expected"
+            text = f"changes nothing; {_KEYS} or a name is expected"
             faults.append((path, text))
         if _changes(group):
             rules.append(Placed(path, _rule(members, members, group, f"{path}.meet", faults)))
@@ -90,7 +91,10 @@ def pair_rules(
             faults.append((f"{path}.between", "is an agent and itself; two agents are expected"))
         if not _changes(entry):
             faults.append(
-                (path, "changes nothing; distance, grouping, collision, clearance or collide is expected")
+                (
+                    path,
+                    f"changes nothing; {_KEYS} is expected",
+                )
             )
         rules.append(Placed(path, _rule(left, right, entry, f"{path}.meet", faults)))
     return rules
@@ -128,7 +132,13 @@ def _rule(
         faults.append((path, text))
         meet = None
     return PairRule(
-        left, right, entry.distance, entry.grouping, entry.collide, meet, entry.collision,
+        left,
+        right,
+        entry.distance,
+        entry.grouping,
+        entry.collide,
+        meet,
+        entry.collision,
         entry.clearance,
     )
 

@@ -31,7 +31,8 @@ ENDS = ("id", "start_x", "start_y", "goal_x", "goal_y")
 # Further columns of a table; a weight is a column such as `weights.arrival`.
 WORDS = ("after_arrival",)
 NUMBERS = (
-    "start_time", "max_time", "preferred_time", "radius", "mass", "max_speed", "max_acceleration",
+    "start_time", "max_time", "preferred_time", "radius", "clearance", "mass", "max_speed",
+    "max_acceleration",
 )  # fmt: skip
 WEIGHTS = tuple(f"weights.{name}" for name in WeightsFile.model_fields)
 MOST_FAULTS = 20

@@ -52,11 +52,13 @@ def test_defaults():
             "regularity": None,
             "collision": 1,
             "wall": 1,
+            "clearance": 1.0,
         },
         "path": None,
         "max_speed": None,
         "max_acceleration": None,
         "visits": (),
+        "clearance": 0.0,
     }
     assert (scene.name, scene.description, scene.map, scene.pairs) == ("scene", "", None, ())
     assert (scene.time_scale, scene.horizon, scene.final_time) == (1, 20, 20)
@@ -97,7 +99,7 @@ def test_every_key_arrives():
         assert dataclasses.asdict(getattr(scene, part)) == tree[part]
     sam, ann, cart = scene.agents
     assert dataclasses.asdict(sam.weights) == tree["defaults"]["weights"]
-    for key in ("start_time", "max_time", "preferred_time", "radius", "mass", "after_arrival"):
+    for key in ("start_time", "max_time", "preferred_time", "radius", "clearance", "mass"):
         assert getattr(sam, key) == getattr(ann, key) == tree["defaults"][key]
     assert sam.waypoints == ann.waypoints == ((2, 1), (3, 1.5))
     assert cart.waypoints == ()
