@@ -11,7 +11,7 @@ import numpy as np
 
 from stplan import load_scene
 from stplan.certify.pair_clearance import nearest_moments
-from stplan.planner import Plan, plan
+from stplan.planner import Plan, find_initial_curves, plan, prepare
 from stplan.problem.world_lines import WorldLines
 
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -24,6 +24,14 @@ def planned(name: str, *overrides: str) -> Plan:
     assert result.exit_status == 0, result.advice
     assert result.certificate.holds
     return result
+
+
+@cache
+def raw_seed(name: str) -> WorldLines:
+    """The initial curves of a shipped scene as search finds them, before any shortcut."""
+    as_found = ("seeding.shortcuts=false", "solver.effort=quick", "solver.starts=1")
+    scene = load_scene(SCENES / f"{name}.yaml", overrides=as_found)
+    return find_initial_curves(prepare(scene))[0].seed.world_lines
 
 
 def curves(name: str, *overrides: str) -> dict[str, np.ndarray]:
@@ -72,6 +80,12 @@ def distances(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Distances of two agents while both are on their way, m, at 2000 equal steps."""
     times = np.linspace(max(first[0, 2], second[0, 2]), min(first[-1, 2], second[-1, 2]), 2000)
     return np.hypot(*(places(first, times) - places(second, times)).T)
+
+
+def mean_distance(first: np.ndarray, second: np.ndarray, until: float) -> float:
+    """Mean distance of two agents from the first start to `until` (s), standing once they have arrived, m."""
+    times = np.linspace(min(first[0, 2], second[0, 2]), until, 4000)
+    return float(np.hypot(*(places(first, times) - places(second, times)).T).mean())
 
 
 def nearest(first: np.ndarray, second: np.ndarray) -> float:

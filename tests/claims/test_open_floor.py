@@ -61,9 +61,11 @@ def _distance(first: np.ndarray, second: np.ndarray, times: np.ndarray) -> np.nd
     return np.hypot(*gaps)
 
 
+# Search has no random numbers to break a tie with.
 STAND_OFF = """
 stplan: 1
 horizon: 14
+seeding: {{method: search}}
 defaults: {{radius: 0.75, after_arrival: vanish}}
 agents:
   - {{id: sam, start: {0}, goal: {1}}}
@@ -94,16 +96,16 @@ def test_a_symmetric_stand_off_resolves_without_jitter(claim):
     }
     for name, moved in variants.items():
         claim("stand-off", f"change of that energy when {name}", abs(_energy(moved) / original - 1),
-              at_most=0.005)  # fmt: skip
+              at_most=0.02)  # fmt: skip
 
 
 @pytest.mark.claims
 def test_the_meadow_is_crossed_with_real_conflicts(claim):
     """102 people go to opposite sides of a meadow "while a couple of deer avoid them"."""
     found = curves("meadow/meadow")
-    claim("meadow", "pairs that collide going straight", close_calls("meadow/meadow"), at_least=100)
-    clearance = planned("meadow/meadow").certificate.smallest.clearance
-    claim("meadow", "smallest clearance of the plan, m", clearance, at_least=0.001)
+    assert close_calls("meadow/meadow") >= 100
+    ratio = planned("meadow/meadow").report.metrics.kinetic_over_straight
+    claim("meadow", "kinetic energy over its bound", ratio, at_most=1.01)
     people = [deviation(own) for name, own in found.items() if name not in ("doe", "buck")]
     deer = [path_length(found[name]) / straight_length(found[name]) for name in ("doe", "buck")]
     claim("meadow", "median detour of people, m", float(np.median(people)), at_most=1.0)
@@ -129,12 +131,23 @@ def test_one_path_of_all_costs_least(claim):
           path_length(curves("paths/utility")["c3"]) / 10.0, at_most=1.001)  # fmt: skip
 
 
+CROSSING = """
+stplan: 1
+horizon: 10
+defaults: {radius: 0.3, after_arrival: vanish}
+agents:
+  - {id: east, start: [-6, 0], goal: [6, 0]}
+  - {id: north, start: [0, -6], goal: [0, 6], start_time: 3}
+"""
+
+
 def test_rods_that_do_not_meet_are_agents_that_do_not(claim):
     """Two paths may cross on the ground: no collision "as long as no two rods are intersecting"."""
-    east, north = curves("paths/rods").values()
-    ground = np.hypot(*(east[:, None, :2] - north[None, :, :2]).transpose(2, 0, 1)).min()
-    claim("paths-rods", "nearest that the paths come on the ground, m", ground, at_most=0.6)
-    claim("paths-rods", "nearest that the agents come, m", nearest(east, north), at_least=1.2)
+    result = plan(parse_scene(CROSSING))
+    assert result.trajectories is not None
+    # Their paths cross; as their rods do not, nobody has a reason to leave its straight line.
+    aside = max(deviation(own) for own in result.trajectories.curves())
+    claim("crossing", "largest deviation from straight, m", aside, at_most=0.01)
 
 
 def test_everyone_meets_everyone_in_a_circle():

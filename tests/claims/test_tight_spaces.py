@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
@@ -31,13 +31,17 @@ def test_one_at_a_time_through_the_subway_passage(name, claim):
     visits = {agent: presence(own, PASSAGE, until) for agent, own in found.items()}
     assert all(len(own) == 1 for own in visits.values())
     down = {agent for agent, own in found.items() if own[0, 1] > own[-1, 1]}
-    opposed = [
-        smallest_gap([visits[a], visits[b]])
-        for a, b in combinations(visits, 2)
-        if (a in down) != (b in down)
-    ]
-    claim(planned(scene).scene.name, "least time between opposed agents in the passage, s",
-          min(opposed), at_least=0.01)  # fmt: skip
+    opposed = [(a, b) for a, b in combinations(visits, 2) if (a in down) != (b in down)]
+    assert len(opposed) >= 3
+    # The passage fits one, so opposed traffic has to change its direction; how often is the planner's choice.
+    order = [agent in down for agent in sorted(visits, key=lambda agent: visits[agent][0, 0])]
+    turns = sum(before != after for before, after in pairwise(order))
+    claim(planned(scene).scene.name, f"changes of direction in the passage, of {len(order)} agents", turns,
+          at_most=len(order) // 2)  # fmt: skip
+    gap = min(smallest_gap([visits[a], visits[b]]) for a, b in opposed)
+    alone = np.mean([np.ptp(own[0]) for own in visits.values()])
+    claim(planned(scene).scene.name, "shortest pause between opposed agents over a mean passing", gap / alone,
+          at_most=1.5)  # fmt: skip
     slowest = min(slowest_over_fastest(own) for own in found.values())
     claim(planned(scene).scene.name, "slowest over fastest of whoever waits longest", slowest,
           at_most=0.3)  # fmt: skip
@@ -61,9 +65,6 @@ def test_in_the_bottleneck_someone_is_late_by_as_much_as_needed(claim):
     alone = curves(name, "pairs=[{between: [all, all], collide: false}]")
     through = sorted(_passes(own, 10.0) for own in together.values())
     late = [arrival(together[agent.id]) - arrival(alone[agent.id]) for agent in agents]
-    claim("bottleneck", "latest arrival after the preferred time, s",
-          max(arrival(together[agent.id]) - agent.preferred_time for agent in agents),
-          at_least=1.0)  # fmt: skip
     # One after another, R = 0.9 m apart in space and time: nobody can pass sooner after the one before.
     headways = np.diff(through)
     claim("bottleneck", "least time between two in the gap, s", headways.min(), at_least=0.3)
@@ -71,7 +72,7 @@ def test_in_the_bottleneck_someone_is_late_by_as_much_as_needed(claim):
         "bottleneck", "time from the first to the last in the gap, s", np.ptp(through), at_most=5.0
     )
     claim("bottleneck", "delay by the others: least of all, s", min(late), at_most=0.5)
-    claim("bottleneck", "delay by the others: most of all, s", max(late), at_most=4.0)
+    claim("bottleneck", "delay by the others: most of all, s", max(late), at_least=0.5, at_most=4.0)
 
 
 def _passes(curve: np.ndarray, x: float) -> float:
@@ -107,7 +108,12 @@ def test_robots_take_turns_in_the_warehouse(claim):
                 for b in presence(second, lane, until):
                     if _direction(first, a) * _direction(second, b) < 0:
                         opposed.append(max(b[0] - a[1], a[0] - b[1]))
-    claim("warehouse", "least time between opposed robots in a lane, s", min(opposed), at_least=0.0)
+    assert min(opposed) > 0.0
+    claim("warehouse", "opposed robots that share a lane one after the other, pairs", len(opposed),
+          at_least=1)  # fmt: skip
+    alone = curves("tight/warehouse", "pairs=[{between: [all, all], collide: false}]")
+    longer = max(path_length(own) / path_length(alone[robot]) for robot, own in found.items())
+    claim("warehouse", "longest path over that of the robot alone", longer, at_most=1.6)
 
 
 def _direction(curve: np.ndarray, visit: np.ndarray) -> float:
@@ -122,19 +128,24 @@ def test_passengers_find_their_seats(name, claim):
     """Passengers of an aircraft, "all in incorrect seats", reach theirs through the aisle."""
     scene = planned(name).scene
     assert all(agent.start != agent.goal for agent in scene.agents)
-    claim(scene.name, "smallest clearance, m", planned(name).certificate.smallest.clearance,
-          at_least=1e-6)  # fmt: skip
+    found = curves(name)
+    alone = curves(name, "pairs=[{between: [all, all], collide: false}]")
+    longer = [path_length(found[agent.id]) / path_length(alone[agent.id]) for agent in scene.agents]
+    claim(scene.name, "median path over that of the passenger alone", float(np.median(longer)),
+          at_most=1.1)  # fmt: skip
+    # In an aisle that fits one, who sits further in goes first, or the others step out of its way.
+    cost = [sum(one.kinetic_energy for one in planned(name, *settings).report.metrics.agents)
+            for settings in ((), ("pairs=[{between: [all, all], collide: false}]",))]  # fmt: skip
+    claim(scene.name, "energy over that of everybody alone", cost[0] / cost[1], at_most=4.0)
 
 
 @pytest.mark.claims
-@pytest.mark.parametrize(("name", "detour"), [("mazes/corn", 1.3), ("mazes/rings", 1.7)])
-def test_mazes_are_navigated(name, detour, claim):
+@pytest.mark.parametrize("name", ["mazes/corn", "mazes/rings"])
+def test_mazes_are_navigated(name, claim):
     """Agents "navigate the mazes while avoiding collisions with each other at the bottlenecks"."""
     scene = planned(name).scene
-    ratios = [path_length(own) / straight_length(own) for own in curves(name).values()]
-    claim(scene.name, "longest detour over straight", max(ratios), at_least=detour)
     alone = curves(name, "pairs=[{between: [all, all], collide: false}]")
     longer = max(
         path_length(own) / path_length(alone[agent]) for agent, own in curves(name).items()
     )
-    claim(scene.name, "longest path over that of the agent alone", longer, at_most=1.25)
+    claim(scene.name, "longest path over that of the agent alone", longer, at_most=1.05)
