@@ -24,6 +24,7 @@ from stplan.improvement.search import Improvement, Progress, Stop
 from stplan.improvement.search import improve as improve_lines
 from stplan.optimize.continuation import LiveLine
 from stplan.planner import prepare
+from stplan.problem.ends import fixed_at
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.report import OptimisationReport, versions
@@ -81,8 +82,8 @@ def read_run(folder: Path, scene: Scene) -> FinishedRun:
     report = read_json(folder / REPORT)
     if report.get("scene", {}).get("hash") != scene.content_hash:
         raise UsageError(f"{scene.source} is not as it was when {folder} was planned; plan it anew")
-    problem = prepare(scene)
     lines = read_trajectories(folder)
+    problem = prepare(fixed_at(scene, lines))
     certificate = certify(scene, problem.free_space, lines)
     if not certificate.holds:
         raise UsageError(f"{folder}: {certificate.summary}; only certified runs are improved")

@@ -30,6 +30,7 @@ from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
 from stplan.optimize.continuation import LiveLine, Optimisation, optimise
 from stplan.optimize.restoration import restore
 from stplan.problem import planning_problem
+from stplan.problem.ends import ending_as, fixed_at
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.report import (
@@ -41,6 +42,7 @@ from stplan.report import (
     SeedReport,
 )
 from stplan.scene.model import Scene
+from stplan.seeding.assignment import settle_goals
 from stplan.seeding.portfolio import Seed
 from stplan.status import Status
 
@@ -131,6 +133,7 @@ def plan(
     clock = Clock()
     with clock.stage("world"):
         problem = prepare(scene, progress)
+    scene = problem.scene
     rivals = find_initial_curves(problem, most=None, progress=progress, stop=stop, clock=clock)
     stop()  # The answer is heeded below; who is asked knows that from here on a plan is certain.
     plans: list[Plan] = []
@@ -163,7 +166,8 @@ def improve(
 ) -> Plan:
     """`result`, a plan with trajectories, with the cheapest ones that the moves of `budget` lead to.
 
-    Never dearer, and certified. `stop`, asked again and again, ends with the best so far.
+    Never dearer, and certified; everybody ends where it did. `stop`, asked again and again, ends with the
+    best so far.
     """
     if result.trajectories is None:
         return result
@@ -171,7 +175,7 @@ def improve(
 
     clock = Clock()
     with clock.stage("world"):
-        problem = prepare(result.scene)
+        problem = prepare(fixed_at(result.scene, result.trajectories))
     with clock.stage("improve"):
         found = search.improve(
             problem,
@@ -206,6 +210,7 @@ def seed(scene: Scene, *, progress: Progress | None = None, stop: Stop | None = 
     clock = Clock()
     with clock.stage("world"):
         problem = prepare(scene, progress)
+    scene = problem.scene
     (initial,) = find_initial_curves(problem, progress=progress, stop=stop, clock=clock)
     found = SeedReport.of(initial.seed, initial.certificate, scene)
     content = Report(
@@ -245,7 +250,8 @@ def plan_files(result: Plan) -> dict[str, bytes]:
 def prepare(scene: Scene, progress: Progress | None = None) -> PlanningProblem:
     """The problem of `scene`; whatever may be refused without any work is refused here.
 
-    What the user has to know about the map is said through `progress`.
+    Its own scene has a goal for everybody, also where that is a place or one of some points. What the user
+    has to know about the map is said through `progress`.
 
     Raises:
         SceneError: the scene does not fit its map, or not into memory.
@@ -255,7 +261,7 @@ def prepare(scene: Scene, progress: Progress | None = None) -> PlanningProblem:
     require_options(scene.solver.ipopt)
     problem = planning_problem.prepare(scene)
     _say_notes(scene, problem.free_space, progress or _silent)
-    return problem
+    return settle_goals(problem)
 
 
 def _say_notes(scene: Scene, free_space: FreeSpace | None, progress: Progress) -> None:
@@ -376,9 +382,8 @@ def _planned(
         costs, scales = optimised.seed_costs, optimised.seed_scales
     found = SeedReport.of(initial.seed, initial.certificate, scene)
     made = replace(OptimisationReport.of(scene, optimised), costs=costs, scales=scales)
-    content = Report(
-        scene, status, certificate, metrics(scene, lines), found, made, notes=_notes_of(problem)
-    )
+    figures = metrics(ending_as(scene, lines), lines)
+    content = Report(scene, status, certificate, figures, found, made, notes=_notes_of(problem))
     run = RunRecord.of(clock, OptimisationTimes.of(optimised, clock.seconds["optimise"]))
     return Plan(initial.seed.world_lines, lines, content, run)
 

@@ -18,6 +18,7 @@ from stplan.certify.local_frame import LocalFrame
 from stplan.certify.meetings import MeetingSpot, meeting_spots
 from stplan.certify.motion import Peak, motion_peaks
 from stplan.certify.pairs import check_pairs
+from stplan.certify.places import broken_assignments
 from stplan.certify.tightest import Tightest, Unlisted
 from stplan.certify.walls import check_walls
 from stplan.problem.world_lines import WorldLines
@@ -124,11 +125,14 @@ def certify(scene: Scene, free_space: FreeSpace | None, lines: WorldLines) -> Ce
         return Certificate(tuple(missing), (), (), 0, 0)
     place = {agent_id: a for a, agent_id in enumerate(lines.agent_ids)}
     curves = [lines.curve(place[agent.id]) for agent in scene.agents]
+    assigned = {a for assignment in scene.assignments for a in assignment.members}
     violations = [
         sentence
-        for agent, curve in zip(scene.agents, curves, strict=True)
-        for sentence in broken_ends(agent, curve)
+        for a, (agent, curve) in enumerate(zip(scene.agents, curves, strict=True))
+        for sentence in broken_ends(agent, curve, assigned=a in assigned)
     ]
+    if assigned and not violations:
+        violations = broken_assignments(scene, np.array([curve[-1, :2] for curve in curves]))
     if violations:
         # Distances of curves that run back in time would mean nothing.
         return Certificate(tuple(violations), (), (), 0, 0)

@@ -7,6 +7,7 @@ import numpy as np
 from stplan.amounts import LARGEST
 from stplan.arrays import FloatArray
 from stplan.certify.motion import missed_visit, place_tolerance
+from stplan.certify.places import outside_all
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Agent, Scene
 
@@ -22,8 +23,11 @@ def agents_that_differ(scene: Scene, lines: WorldLines) -> list[str]:
     return sentences
 
 
-def broken_ends(agent: Agent, curve: FloatArray) -> list[str]:
-    """Ends, times, waypoints and the prescribed path of one agent, `curve` (n + 1, 3)."""
+def broken_ends(agent: Agent, curve: FloatArray, *, assigned: bool = False) -> list[str]:
+    """Ends, times, waypoints and the prescribed path of one agent, `curve` (n + 1, 3).
+
+    Where an `assigned` agent ends is not looked at.
+    """
     if len(curve) < 2 or not np.isfinite(curve).all():
         return [f"{agent.id}: needs at least two finite knots"]
     if np.abs(curve).max() > LARGEST:
@@ -37,7 +41,10 @@ def broken_ends(agent: Agent, curve: FloatArray) -> list[str]:
             f"{agent.id}: starts at {tuple(curve[0].tolist())}, "
             f"not at {(*agent.start, agent.start_time)}"
         )
-    if tuple(curve[-1, :2]) != agent.goal:
+    if agent.goal_places:
+        outside = outside_all(agent.goal_places, curve[-1, :2], place_tolerance(agent, curve))
+        sentences += [f"{agent.id}: {outside}"] if outside else []
+    elif not assigned and tuple(curve[-1, :2]) != agent.goal:
         sentences.append(
             f"{agent.id}: ends at {tuple(curve[-1, :2].tolist())}, not at {agent.goal}"
         )

@@ -8,6 +8,7 @@ from stplan.certify.certificate import Certificate, certify
 from stplan.explain.curves import curve_sections
 from stplan.explain.explanation import Explanation, Fact, Section
 from stplan.files.recorded import RecordedReport
+from stplan.problem.ends import ending_as
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
@@ -26,6 +27,7 @@ def explain_run(
     Raises:
         SceneError: the scene does not fit its map.
     """
+    scene = ending_as(scene, lines)
     problem = PlanningProblem.from_scene(scene, fitted_free_space(scene))
     certificate = certify(scene, problem.free_space, lines)
     verdict = "holds" if certificate.holds else "IS BROKEN"

@@ -12,12 +12,14 @@ from stplan.analysis.detours import ways_alone
 from stplan.analysis.encounters import Encounter, encounters
 from stplan.analysis.passages import WIDE, Passage, passages
 from stplan.arrays import FloatArray
+from stplan.certify.places import distance_outside
 from stplan.errors import BROKEN_SEED, BrokenSeedError, SeedingError
 from stplan.explain.curves import curve_sections
 from stplan.explain.explanation import Explanation, Fact, Section
 from stplan.planner import find_initial_curves, prepare
 from stplan.problem.planning_problem import PlanningProblem
-from stplan.scene.model import Scene
+from stplan.scene.model import Agent, Scene
+from stplan.scene.places import Place
 from stplan.wording import at, count, headline, metres, names, sentences
 
 
@@ -78,6 +80,7 @@ def population(problem: PlanningProblem) -> Section:
     if prescribed:
         verb = "moves" if prescribed == 1 else "move"
         facts.append(f"{count(prescribed, 'agent')} {verb} as prescribed")
+    facts += _destinations(problem.scene)
     ignoring = int((~problem.heeds_walls).sum())
     if problem.scene.map is not None and ignoring:
         facts.append(f"{ignoring} of {count(problem.num_agents, 'agent')} ignore the walls")
@@ -88,6 +91,34 @@ def population(problem: PlanningProblem) -> Section:
     return Section(
         "population", "The scene", f"{lead}:" if facts else f"{lead}.", [*map(Fact, facts)]
     )
+
+
+def _destinations(scene: Scene) -> list[str]:
+    """Who may end in several points, and how many of them are to end in which place."""
+    places: dict[str, list[Agent]] = {}
+    for agent in scene.agents:
+        if agent.goal_places:
+            which = " or ".join(dict.fromkeys(str(place) for place in agent.goal_places))
+            places.setdefault(which, []).append(agent)
+    facts = []
+    for which, agents in places.items():
+        fact = f"{count(len(agents), 'agent')} may end anywhere in {which}"
+        if len(agents[0].goal_places) > 1:
+            shares = [
+                f"{sum(_in(place, agent) for agent in agents)} in {place}"
+                for place in dict.fromkeys(agents[0].goal_places)
+            ]
+            fact += f"; planning begins with {', '.join(shares)}"
+        facts.append(fact)
+    for assignment in scene.assignments:
+        among = f"{len(assignment.points)} points, one each"
+        facts.append(f"{count(len(assignment.members), 'agent')} may end on any of {among}")
+    return facts
+
+
+def _in(place: Place, agent: Agent) -> bool:
+    """Whether a goal lies in a place (to rounding)."""
+    return distance_outside(place, np.array(agent.goal)) <= 1e-6 * agent.radius
 
 
 def _span(word: str, values: FloatArray, unit: str) -> str:

@@ -4,12 +4,12 @@ Start, goal, waypoints and prescribed paths are fixed by equal bounds and T^max 
 is part of the objective's domain: the regularity cost rises without bound as a duration goes to zero. Where
 no such cost stands guard (a weight of 0, a dwell) a least t_{i+1} - t_i is a linear constraint with a
 constant Jacobian, as is t_i = t_j of the knots at which a pair meets. Constraints for all segments would
-double the size of the linear systems.
+double the size of the linear systems. Ends that may move in a place are held there by half-planes.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,6 +18,33 @@ from stplan.problem.layout import KnotLayout
 
 # What solvers take for no bound.
 UNBOUNDED = 2e19
+
+
+@dataclass(frozen=True)
+class HalfPlanes:
+    """Linear constraints on the places of knots: least <= normal . (x, y) <= greatest.
+
+    Attributes:
+        knots: (H,).
+        normals: (H, 2), of length 1.
+        least, greatest: (H,) m.
+    """
+
+    knots: IntArray
+    normals: FloatArray
+    least: FloatArray
+    greatest: FloatArray
+
+    @staticmethod
+    def none() -> HalfPlanes:
+        """No constraint."""
+        return HalfPlanes(np.empty(0, np.int64), np.empty((0, 2)), np.empty(0), np.empty(0))
+
+    def chosen(self, which: BoolArray) -> HalfPlanes:
+        """Those that are True in `which` (H,)."""
+        return HalfPlanes(
+            self.knots[which], self.normals[which], self.least[which], self.greatest[which]
+        )
 
 
 @dataclass(frozen=True)
@@ -30,6 +57,7 @@ class Constraints:
         guarded: (G,) segments whose least duration takes a constraint of its own.
         links: (L, 2) knots of one time.
         greatest_share: (S,) largest part of the whole duration that a segment may last, inf for any.
+        planes: what holds places of knots that bounds alone cannot hold.
     """
 
     lower: FloatArray
@@ -38,6 +66,7 @@ class Constraints:
     guarded: IntArray
     links: IntArray
     greatest_share: FloatArray
+    planes: HalfPlanes = field(default_factory=HalfPlanes.none)
 
     def admits(self, layout: KnotLayout, knots: FloatArray) -> bool:
         """Whether knots (M, 3) are finite, with time running on: asked before terms divide by it."""
@@ -54,7 +83,7 @@ class LinearRows:
 
     Attributes:
         rows, columns, values: (N,) entries of the constant Jacobian.
-        least, greatest: (C,) s.
+        least, greatest: (C,) s, of half-planes m.
     """
 
     rows: IntArray
@@ -70,10 +99,25 @@ class LinearRows:
 
 
 def linear_rows(layout: KnotLayout, constraints: Constraints) -> LinearRows:
-    """The linear constraints, in this order, in s.
+    """The linear constraints, in this order.
 
-    t_{i+1} - t_i of guarded segments, t_j - t_i of links, and what limited durations leave of their shares.
+    t_{i+1} - t_i of guarded segments, t_j - t_i of links, what limited durations leave of their shares, all
+    in s; and places of knots across half-planes, m.
     """
+    timed, planes = _timed_rows(layout, constraints), constraints.planes
+    if not len(planes.knots):
+        return timed
+    row, axis = np.nonzero(planes.normals)
+    return LinearRows(
+        np.concatenate([timed.rows, len(timed.least) + row]),
+        np.concatenate([timed.columns, 3 * planes.knots[row] + axis]),
+        np.concatenate([timed.values, planes.normals[row, axis]]),
+        np.concatenate([timed.least, planes.least]),
+        np.concatenate([timed.greatest, planes.greatest]),
+    )
+
+
+def _timed_rows(layout: KnotLayout, constraints: Constraints) -> LinearRows:
     segment, links = layout.segment, constraints.links
     start = segment[constraints.guarded]
     even = np.flatnonzero(np.isfinite(constraints.greatest_share))

@@ -7,6 +7,7 @@ import numpy as np
 from stplan.arrays import FloatArray
 from stplan.costs.formulation import TimedConstraints
 from stplan.nlp.constraints import UNBOUNDED, Constraints
+from stplan.optimize.free_ends import as_bounds, ends_freely, free_ends
 from stplan.problem.layout import KnotLayout
 from stplan.problem.planning_problem import PlanningProblem
 
@@ -29,7 +30,8 @@ def build_constraints(
 ) -> Constraints:
     """Bounds around `seed` (M, 3): fixed starts, goals, waypoints and paths; latest arrivals.
 
-    With `free_times`, visits and meetings are bound in place only.
+    Agents that vanish in a place may end anywhere in it. With `free_times`, visits and meetings are bound
+    in place only.
     """
     lower = np.full(seed.shape, -UNBOUNDED)
     upper = np.full(seed.shape, UNBOUNDED)
@@ -40,8 +42,10 @@ def build_constraints(
             lower[own] = upper[own] = seed[own]
             continue
         lower[first] = upper[first] = seed[first]
-        lower[last, :2] = upper[last, :2] = seed[last, :2]
+        if not ends_freely(problem, a):
+            lower[last, :2] = upper[last, :2] = seed[last, :2]
         upper[last, 2] = problem.max_times[a]
+    planes = as_bounds(free_ends(problem, layout, seed), lower, upper)
     lower[timed.places, :2] = upper[timed.places, :2] = seed[timed.places, :2]
     step = seed[layout.segment + 1, 2] - seed[layout.segment, 2]
     mean = ((seed[layout.last, 2] - seed[layout.first, 2]) / layout.num_segments)[
@@ -55,13 +59,13 @@ def build_constraints(
     share[dwelling] = np.inf
     if free_times:
         no_links = np.empty((0, 2), dtype=np.int64)
-        return Constraints(lower, upper, least, np.flatnonzero(guarded), no_links, share)
+        return Constraints(lower, upper, least, np.flatnonzero(guarded), no_links, share, planes)
     windowed, window = timed.windowed, timed.window
     lower[windowed, 2] = np.maximum(lower[windowed, 2], window[:, 0])
     upper[windowed, 2] = np.minimum(upper[windowed, 2], window[:, 1])
     least[dwelling] = timed.dwell
     guarded[dwelling] = True
-    return Constraints(lower, upper, least, np.flatnonzero(guarded), timed.links, share)
+    return Constraints(lower, upper, least, np.flatnonzero(guarded), timed.links, share, planes)
 
 
 def _greatest_shares(problem: PlanningProblem, layout: KnotLayout, step: FloatArray) -> FloatArray:

@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 from stplan.arrays import Point
 from stplan.maps.spec import MapSpec
+from stplan.scene.places import Assignment, Place
 from stplan.schema.hashing import added
 
 # How initial curves may be found: by one seeder, or by the portfolio of them.
@@ -47,7 +48,8 @@ class Agent:
     `max_acceleration` (m/s^2) the agent starts and ends at rest; `max_speed` is in m/s.
     `clearance` (m) is wished for beyond the radius.
     `path`, where given, is the whole world line ((x, y, t), ...): the motion is prescribed, and
-    `start`, `goal`, `start_time` and `max_time` repeat its ends.
+    `start`, `goal`, `start_time` and `max_time` repeat its ends. With `goal_places` the agent ends anywhere
+    in one of them, and `goal` is a point of them that planning begins with.
     """
 
     id: str
@@ -66,6 +68,7 @@ class Agent:
     max_acceleration: float | None = None
     visits: tuple[Visit, ...] = ()
     clearance: float = added(0.0)
+    goal_places: tuple[Place, ...] = added(())
 
 
 @dataclass(frozen=True)
@@ -139,6 +142,8 @@ class Scene:
         overridden: the ``--set`` argument that decided a path, where one did.
         overrides: the ``--set`` arguments that the file was read with, in order.
         agent_paths: where every agent stands in the file, ``agents[2]`` where left out.
+        places: parts of the plane that have names.
+        assignments: groups of agents of which everybody ends on one of some points.
     """
 
     name: str
@@ -156,6 +161,8 @@ class Scene:
     overridden: Mapping[str, str] = field(default_factory=dict, repr=False)
     overrides: tuple[str, ...] = ()
     agent_paths: tuple[str, ...] = field(default=(), repr=False)
+    places: tuple[Place, ...] = added(())
+    assignments: tuple[Assignment, ...] = added(())
 
     def agent_path(self, agent: int) -> str:
         """Where an agent stands in the file."""
@@ -165,6 +172,12 @@ class Scene:
         """`message` headed by file, line, column and `path` (or its nearest known ancestor)."""
         name = str(self.source or self.name)
         return located(name, self.locations, self.overridden, path, message)[0]
+
+    @property
+    def every_place(self) -> tuple[Place, ...]:
+        """Parts of the plane that have names, and those that stand with agents as goals."""
+        goals = (place for agent in self.agents for place in agent.goal_places)
+        return tuple(dict.fromkeys([*self.places, *goals]))
 
     @property
     def final_time(self) -> float:

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import field, fields, is_dataclass
+from dataclasses import Field, field, fields, is_dataclass
 from typing import Any
 
 
 def added(default: Any) -> Any:
     """A field that came after others: at its `default` it leaves the hashes of scenes as they were."""
     return field(default=default, metadata={"added": True})
+
+
+def at_added_default(one: Field[Any], value: Any) -> bool:
+    """Whether a field marked as `added` has its default `value`."""
+    return "added" in one.metadata and bool(value == one.default)
 
 
 def meaning(value: Any) -> Any:
@@ -23,7 +28,7 @@ def meaning(value: Any) -> Any:
         return {
             one.name: meaning(getattr(value, one.name))
             for one in fields(value)
-            if "added" not in one.metadata or getattr(value, one.name) != one.default
+            if not at_added_default(one, getattr(value, one.name))
         }
     if isinstance(value, tuple) and not all(isinstance(item, float | int) for item in value):
         return [meaning(item) for item in value]

@@ -26,6 +26,7 @@ SOLID = "#c3c8cf"
 FLOOR = "#ffffff"
 WALL = "#4a515a"
 WARNING = "#d1242f"
+PLACE = "#1a7f64"
 
 _LOOK: dict[str, Any] = {
     # Names and descriptions are text, whatever dollars there are in them.
@@ -101,6 +102,21 @@ def draw_ground(axes: Axes, view: RunView, box: tuple[float, float, float, float
         axes.add_patch(
             PathPatch(outline(view.free_space.polygon), facecolor=FLOOR, edgecolor=WALL, lw=0.9)
         )
+    _draw_places(axes, view)
+
+
+def _draw_places(axes: Axes, view: RunView) -> None:
+    """Parts of the plane in which agents start and end: dashed, with their names."""
+    for place in view.places:
+        points = np.array([*place.points, place.points[0]] if place.area else place.points)
+        axes.plot(points[:, 0], points[:, 1], color=PLACE, lw=1.2, ls=(0, (4, 2)), zorder=1.5)
+        if place.area:
+            axes.fill(points[:, 0], points[:, 1], color=PLACE, alpha=0.08, lw=0, zorder=1.4)
+        x, y = points.min(axis=0) if place.area else points.mean(axis=0)
+        axes.annotate(
+            place.name, (x, y), xytext=(3.0, 3.0), textcoords="offset points", fontsize=7.5,
+            color=PLACE, zorder=6, clip_on=True,
+        ).set_in_layout(False)  # fmt: skip
 
 
 def scale_bar(axes: Axes, box: tuple[float, float, float, float], length: float) -> None:

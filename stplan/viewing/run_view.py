@@ -19,10 +19,12 @@ from stplan.files.npz_file import read_npz
 from stplan.files.recorded import REPORT
 from stplan.files.run_folder import recorded_scene
 from stplan.files.trajectories import read_trajectories
+from stplan.problem.ends import ending_as
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene import load_scene
 from stplan.scene.model import Scene
+from stplan.scene.places import Place
 from stplan.scene.presence import present_until
 from stplan.world import FreeSpace, build_free_space
 
@@ -41,6 +43,7 @@ class RunView:
         waypoints: (x, y) of every agent's waypoints.
         time_scale: m/s.
         notes: a sentence for everything that is missing or differs.
+        places: parts of the plane in which agents start and end.
     """
 
     name: str
@@ -51,6 +54,7 @@ class RunView:
     waypoints: tuple[tuple[tuple[float, float], ...], ...]
     time_scale: float
     notes: tuple[str, ...]
+    places: tuple[Place, ...] = ()
 
     @property
     def num_agents(self) -> int:
@@ -155,7 +159,7 @@ def open_run(path: Path, scene_file: Path | None = None) -> RunView:
                 f"{file}: the radii are neither in it nor in a scene; name the scene: --scene FILE"
             )
         return _without_scene(file, lines, seed, radii, time_scale, tuple(notes))
-    problem = PlanningProblem.from_scene(scene, free_space)
+    problem = PlanningProblem.from_scene(ending_as(scene, lines), free_space)
     crowd = Crowd.of_problem(problem, lines)
     place = {agent.id: agent for agent in scene.agents}
     return RunView(
@@ -168,6 +172,7 @@ def open_run(path: Path, scene_file: Path | None = None) -> RunView:
         waypoints=tuple(place[agent_id].waypoints for agent_id in lines.agent_ids),
         time_scale=scene.time_scale,
         notes=tuple(notes),
+        places=scene.every_place,
     )
 
 

@@ -11,8 +11,10 @@ from stplan.amounts import amount, distinct, place
 from stplan.arrays import FloatArray
 from stplan.errors import SceneError
 from stplan.scene.model import Agent, Scene
+from stplan.scene.places import Place
 from stplan.world.erosion import eroded
 from stplan.world.free_space import FreeSpace, build_free_space
+from stplan.world.places import StandingRoom
 
 # Erosions are computed with this share less than the radius, so that "not connected" is never claimed
 # because of the rounding of offset curves.
@@ -20,10 +22,15 @@ EROSION_SAFETY = 1e-3
 
 
 def fixed_points(agent: Agent) -> list[tuple[str, tuple[float, float]]]:
-    """Key and place of every point an agent must be at: start, goal, waypoints, a given path."""
+    """Key and place of every point an agent must be at: start, goal, waypoints, a given path.
+
+    A goal that is a place is none.
+    """
     if agent.path is not None:
         return [(f"path[{k}]", (x, y)) for k, (x, y, _) in enumerate(agent.path)]
-    points = [("start", agent.start), ("goal", agent.goal)]
+    points = [("start", agent.start)]
+    if not agent.goal_places:
+        points.append(("goal", agent.goal))
     return points + [(f"waypoints[{k}]", point) for k, point in enumerate(agent.waypoints)]
 
 
@@ -70,7 +77,26 @@ def check_scene_in_world(scene: Scene, free_space: FreeSpace | None) -> list[str
                 f"{scene.agent_path(a)}.{key}", f"{fault}; more than the radius is expected"
             )
         )
-    return messages
+    return messages + _unreachable_places(scene, free_space)
+
+
+def _unreachable_places(scene: Scene, free_space: FreeSpace) -> list[str]:
+    """One located message for every goal that is a place in which an agent can be nowhere."""
+    room = StandingRoom(free_space)
+    empty: dict[tuple[Place, float], bool] = {}
+    messages: dict[str, None] = {}
+    for a, agent in enumerate(scene.agents):
+        radius = agent.radius if agent.weights.wall > 0 else 0.0
+        for part in agent.goal_places:
+            if (part, radius) not in empty:
+                empty[part, radius] = room.within(part, radius).is_empty
+        if agent.goal_places and all(empty[part, radius] for part in agent.goal_places):
+            which = " and ".join(dict.fromkeys(str(part) for part in agent.goal_places))
+            verb = "has" if len(agent.goal_places) == 1 else "have"
+            text = f"{which} {verb} no point that a disc of {amount(radius)} m can reach"
+            path = f"{scene.agent_path(a)}.goal"
+            messages.setdefault(scene.located(path, text))
+    return list(messages)
 
 
 def cut_off_agents(

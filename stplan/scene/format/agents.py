@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from stplan.maps.obstacles import CircleFile
+from stplan.scene.format.places import CrowdGoal, CrowdStartFile, Goal, Start
 from stplan.schema.mapping import GIVEN, FileModel, key
 from stplan.schema.quantities import (
     Identifier,
@@ -23,7 +24,9 @@ from stplan.schema.quantities import (
 MOST_AGENTS = 10_000
 MOST_KNOTS = 100_000
 # Names of the kinds of an entry, as they stand in the places of pydantic's errors.
-KINDS = ("@point", "@waypoint", "@agent", "@circle", "@line", "@grid", "@file")
+KINDS = (
+    "@point", "@waypoint", "@place", "@agent", "@circle", "@line", "@grid", "@crowd", "@file",
+)  # fmt: skip
 
 
 class WeightsFile(FileModel):
@@ -104,9 +107,11 @@ class AgentFile(SharedFields):
     """One agent: a disc with a mass that moves from `start` to `goal`, or along a given `path`."""
 
     id: Identifier = Field(description="name of the agent, unique; `all` is reserved")
-    start: Annotated[Point | None, GIVEN] = key("[x, y] in m at start_time; unless path is given")
-    goal: Annotated[Point | None, GIVEN] = key(
-        "[x, y] in m, reached exactly, by max_time; unless path is given"
+    start: Annotated[Start | None, GIVEN] = key(
+        "[x, y] in m at start_time, or a place it is drawn from; unless path is given"
+    )
+    goal: Annotated[Goal | None, GIVEN] = key(
+        "[x, y] in m, reached exactly, by max_time, or places it ends in; unless path is given"
     )
     path: Annotated[
         Annotated[list[Knot], Field(min_length=2, max_length=MOST_KNOTS)] | None, GIVEN
@@ -172,6 +177,14 @@ class GridPatternFile(PatternFile):
     goal: Point = Field(description="[x, y] in m, where the first one goes")
 
 
+class CrowdFile(PatternFile):
+    """Agents that start somewhere in a place and go to places, or to points of which each gets one."""
+
+    count: _COUNT = Field(description="how many agents")
+    start: CrowdStartFile = Field(description="the place they start in, or their points")
+    goal: CrowdGoal = Field(description="[x, y] in m, places they end in, or points to assign")
+
+
 class AgentsCsvFile(SharedFields):
     """Agents of a table; what its rows leave open comes from here, then from `defaults`."""
 
@@ -189,11 +202,14 @@ def _agent_kind(value: Any) -> str:
         if "pattern" in value:
             word = value["pattern"]
             return f"@{word}" if word in PATTERNS else "@circle"
-        return "@file" if "file" in value else "@agent"
+        if "file" in value:
+            return "@file"
+        return "@crowd" if "count" in value else "@agent"
     kinds: dict[type, str] = {
         CirclePatternFile: "@circle",
         LinePatternFile: "@line",
         GridPatternFile: "@grid",
+        CrowdFile: "@crowd",
         AgentsCsvFile: "@file",
     }
     return kinds.get(type(value), "@agent")
@@ -204,6 +220,7 @@ AgentEntry = Annotated[
     | Annotated[CirclePatternFile, Tag("@circle")]
     | Annotated[LinePatternFile, Tag("@line")]
     | Annotated[GridPatternFile, Tag("@grid")]
+    | Annotated[CrowdFile, Tag("@crowd")]
     | Annotated[AgentsCsvFile, Tag("@file")],
     Discriminator(_agent_kind),
 ]

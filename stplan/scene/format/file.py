@@ -12,6 +12,7 @@ from pydantic import Field
 
 from stplan.maps.registry import MapFile
 from stplan.scene.format.agents import MOST_AGENTS, AgentEntry, SharedFields
+from stplan.scene.format.places import MOST_PLACES, PlaceFile
 from stplan.scene.model import SeedingMethod, SeedingSettings, SolverSettings
 from stplan.schema.mapping import GIVEN as _GIVEN
 from stplan.schema.mapping import FileModel as _Model
@@ -178,6 +179,9 @@ class SceneFile(_Model):
         "whose defaults time_scale, seeding and solver have; paper: as the paper prints its recipe"
     )
     map: Annotated[MapFile | None, _GIVEN] = _key("where agents may be; default: the open plane")
+    places: Annotated[dict[Identifier, PlaceFile], Field(max_length=MOST_PLACES)] = Field(
+        {}, description="parts of the plane by name, for starts and goals of agents"
+    )
     horizon: Annotated[Positive | None, _GIVEN] = _key(
         "T^max of agents without max_time, and how long agents stay, s; "
         "may be left out where every agent has a max_time or a path"

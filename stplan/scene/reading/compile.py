@@ -19,21 +19,29 @@ from stplan.scene.format.agents import (
     AgentEntry,
     AgentFile,
     AgentsCsvFile,
+    CrowdFile,
     PatternFile,
     SharedFields,
 )
 from stplan.scene.format.file import GroupFile, PairFile, SceneFile
+from stplan.scene.format.places import PlaceFile, StartPlaceFile
 from stplan.scene.model import Agent, Scene, SeedingSettings, SolverSettings
+from stplan.scene.places import Assignment, Place
 from stplan.scene.presets import PRESETS
+from stplan.scene.reading.crowds import assigned_points
+from stplan.scene.reading.draws import with_drawn_starts
 from stplan.scene.reading.faults import Hints
 from stplan.scene.reading.merge import merged_agent
 from stplan.scene.reading.overlaps import overlap_faults
 from stplan.scene.reading.pair_rules import Placed, group_rules, meeting_faults, pair_rules
 from stplan.scene.reading.patterns import Listed, listed_agents, num_agents
+from stplan.scene.reading.places import Places, compile_places
 from stplan.schema.mapping import Fault
 from stplan.schema.quantities import REFUSED_OPTIONS
 
 _Model = TypeVar("_Model", bound=BaseModel)
+# Where faults make it pointless to look whether agents are in each other's way.
+PLACED = ("agents", "groups", "pairs", "defaults", "places", "map")
 
 
 @dataclass
@@ -47,6 +55,7 @@ class Parts:
     defaults: SharedFields | None
     horizon: float | None
     map: MapFile | None
+    places: Mapping[str, PlaceFile] | None
 
 
 def parts_of(file: SceneFile) -> Parts:
@@ -59,6 +68,7 @@ def parts_of(file: SceneFile) -> Parts:
         file.defaults,
         file.horizon,
         file.map,
+        file.places,
     )
 
 
@@ -89,7 +99,15 @@ def salvage(tree: Mapping[str, Any], broken: set[str]) -> Parts:
         defaults,
         None if "horizon" in tops else tree.get("horizon"),
         read(MapFile, "map", tree.get("map")),
+        _sound_places(tree.get("places", {}), broken),
     )
+
+
+def _sound_places(value: Any, broken: set[str]) -> Mapping[str, PlaceFile] | None:
+    """The places of a file, None where one has a fault."""
+    if not isinstance(value, dict) or any(path.startswith("places") for path in broken):
+        return None
+    return {name: PlaceFile.model_validate(entry) for name, entry in value.items()}
 
 
 def _top(path: str) -> str:
@@ -99,7 +117,7 @@ def _top(path: str) -> str:
 
 def _id(entry: Any) -> str | None:
     """An agent's id; of patterns and tables nobody knows whom they stand for."""
-    single = isinstance(entry, dict) and not ("pattern" in entry or "file" in entry)
+    single = isinstance(entry, dict) and not entry.keys() & {"pattern", "file", "count"}
     name = entry.get("id") if single else None
     return name if isinstance(name, str) else None
 
@@ -108,7 +126,7 @@ def check_parts(parts: Parts, directory: Path, hints: Hints) -> list[Fault]:
     """Every fault of the parts that were read, except those that need the whole scene."""
     faults: list[Fault] = []
     listed = _listed(parts, directory, faults)
-    _agents(parts, listed, faults)
+    _agents(parts, listed, _places(parts, faults), faults, hints)
     _rules(parts, listed, faults, hints)
     if parts.map is not None:
         compile_map(parts.map, directory, faults)
@@ -128,7 +146,8 @@ def compile_scene(
     faults: list[Fault] = []
     parts = parts_of(file)
     listed = _listed(parts, directory, faults)
-    agents = _agents(parts, listed, faults)
+    places = _places(parts, faults)
+    agents = _agents(parts, listed, places, faults, hints)
     rules = _rules(parts, listed, faults, hints)
     map_spec = None if file.map is None else compile_map(file.map, directory, faults)
     for name in file.solver.ipopt:
@@ -154,11 +173,45 @@ def compile_scene(
         locations=locations,
         overridden=overridden,
         agent_paths=tuple(one.path for one in listed),
+        places=tuple(places.known.values()),
+        assignments=_assignments(parts, listed),
     )
     # Places of agents that have faults themselves would only make followers of these.
-    if not any(path.startswith(("agents", "groups", "pairs", "defaults")) for path, _ in faults):
-        faults += overlap_faults(scene) + meeting_faults(scene, [rule.path for rule in rules])
+    if not any(path.startswith(PLACED) for path, _ in faults):
+        full: list[Fault] = []
+        scene = with_drawn_starts(scene, _drawn(listed, places, hints), full)
+        faults += full or overlap_faults(scene)
+        faults += meeting_faults(scene, [rule.path for rule in rules])
     return scene, faults
+
+
+def _places(parts: Parts, faults: list[Fault]) -> Places:
+    """The places of the file that could be read."""
+    if parts.places is None:
+        return Places(complete=False)
+    return compile_places(parts.places, faults)
+
+
+def _drawn(listed: list[Listed], places: Places, hints: Hints) -> dict[int, Place]:
+    """From which place the start of which agent is drawn."""
+    drawn: dict[int, Place] = {}
+    for a, one in enumerate(listed):
+        start = None if one.agent is None else one.agent.start
+        if isinstance(start, StartPlaceFile):
+            for place in places.of_start(start, one.place("start"), [], hints):
+                drawn[a] = place
+    return drawn
+
+
+def _assignments(parts: Parts, listed: list[Listed]) -> tuple[Assignment, ...]:
+    """Crowds of which everybody gets one of some points."""
+    found = []
+    for k, entry in enumerate(parts.entries):
+        points = assigned_points(entry) if isinstance(entry, CrowdFile) else []
+        if points:
+            members = tuple(a for a, one in enumerate(listed) if one.entry == f"agents[{k}]")
+            found.append(Assignment(members, tuple((x, y) for x, y in points)))
+    return tuple(found)
 
 
 def _settings(part: BaseModel, preset: Mapping[str, Any]) -> dict[str, Any]:
@@ -226,12 +279,14 @@ def _names(parts: Parts, listed: list[Listed], faults: list[Fault]) -> dict[str,
     return names
 
 
-def _agents(parts: Parts, listed: list[Listed], faults: list[Fault]) -> list[Agent]:
+def _agents(
+    parts: Parts, listed: list[Listed], places: Places, faults: list[Fault], hints: Hints
+) -> list[Agent]:
     """The agents whose entries and defaults could be read."""
     if parts.defaults is None:
         return []
     agents = [
-        merged_agent(parts.defaults, one.agent, one, parts.horizon, faults)
+        merged_agent(parts.defaults, one.agent, one, parts.horizon, places, faults, hints)
         for one in listed
         if one.agent is not None
     ]

@@ -9,7 +9,7 @@ from typing import Any
 
 from stplan.scene.format.file import FORMAT
 from stplan.scene.model import Scene
-from stplan.schema.hashing import meaning
+from stplan.schema.hashing import at_added_default, meaning
 
 # Fields that say where a scene is from, not what it means: these stay empty ...
 _EMPTY: dict[str, Any] = {"name": "", "source": None, "content_hash": ""}
@@ -25,7 +25,7 @@ def content_hash(scene: Scene) -> str:
         if field.name in _EMPTY
         else meaning(getattr(scene, field.name))
         for field in fields(scene)
-        if field.name not in _LEFT_OUT
+        if field.name not in _LEFT_OUT and not at_added_default(field, getattr(scene, field.name))
     }
     digest = hashlib.sha256(f"stplan {FORMAT}\n".encode())
     for content in () if scene.map is None else scene.map.base.contents():

@@ -97,7 +97,9 @@ def _fields_at(steps: Iterable[str | int]) -> dict[str, Any]:
         if step in KINDS:
             at = _of_kind(at, str(step))
         elif isinstance(step, str):
-            at = _inner_model(at).model_fields[step].annotation
+            inner = _inner_model(at)
+            # A name that a file gives, as of a place, leads to the model itself.
+            at = inner.model_fields[step].annotation if step in inner.model_fields else inner
     return dict(_inner_model(at).model_fields)
 
 

@@ -6,8 +6,12 @@ from typing import Any
 
 from stplan.arrays import Point
 from stplan.scene.format.agents import AgentFile, SharedFields, WaypointFile
+from stplan.scene.format.places import GoalPlaceFile, StartPlaceFile
 from stplan.scene.model import Agent, Visit, Weights
+from stplan.scene.places import Place
+from stplan.scene.reading.faults import Hints
 from stplan.scene.reading.patterns import Listed
+from stplan.scene.reading.places import Places
 from stplan.schema.mapping import Fault
 
 DEFAULT_RADIUS = 0.3
@@ -19,10 +23,15 @@ def merged_agent(
     own: AgentFile,
     listed: Listed,
     horizon: float | None,
+    places: Places,
     faults: list[Fault],
+    hints: Hints,
 ) -> Agent:
-    """The agent of `listed`; with new `faults` it must not be used."""
-    return _Merge(defaults, own, listed, faults).agent(horizon)
+    """The agent of `listed`; with new `faults` it must not be used.
+
+    Where it starts in a place, its start is any point of that, to be drawn.
+    """
+    return _Merge(defaults, own, listed, faults, places, hints).agent(horizon)
 
 
 def _point(values: list[float]) -> Point:
@@ -44,9 +53,16 @@ class _Merge:
     """One agent: its own keys over `defaults` over what the format promises."""
 
     def __init__(
-        self, defaults: SharedFields, own: AgentFile, listed: Listed, faults: list[Fault]
+        self,
+        defaults: SharedFields,
+        own: AgentFile,
+        listed: Listed,
+        faults: list[Fault],
+        places: Places,
+        hints: Hints,
     ) -> None:
         self._defaults, self._own, self._listed, self._faults = defaults, own, listed, faults
+        self._places, self._hints = places, hints
 
     def _value(self, key: str, fallback: Any) -> Any:
         for part in (self._own, self._defaults):
@@ -77,8 +93,11 @@ class _Merge:
             waypoints: tuple[Point, ...] = ()
             visits: tuple[Visit, ...] = ()
             max_speed = max_acceleration = None
+            goal_places: tuple[Place, ...] = ()
         else:
-            start, goal = self._end("start"), self._end("goal")
+            goal_places = self._goal_places()
+            start = self._end("start")
+            goal = goal_places[0].points[0] if goal_places else self._end("goal")
             start_time, max_time = self._times(horizon)
             entries = self._value("waypoints", [])
             waypoints = tuple(_place(entry) for entry in entries)
@@ -105,6 +124,7 @@ class _Merge:
             max_acceleration=max_acceleration,
             visits=visits,
             clearance=self._value("clearance", 0.0),
+            goal_places=goal_places,
         )
 
     def _weights(self) -> Weights:
@@ -120,7 +140,16 @@ class _Merge:
         if value is None:
             text = "is missing; a point [x, y] in m is expected, or a path"
             self._faults.append((self._listed.place(key), text))
-        return _point(value or [0.0, 0.0])
+        if isinstance(value, StartPlaceFile):
+            found = self._places.of_start(value, self._listed.place(key), self._faults, self._hints)
+            return found[0].points[0] if found else (0.0, 0.0)
+        return _point(value if isinstance(value, list) else [0.0, 0.0])
+
+    def _goal_places(self) -> tuple[Place, ...]:
+        goal = self._own.goal
+        if not isinstance(goal, GoalPlaceFile):
+            return ()
+        return self._places.of_goal(goal, self._listed.place("goal"), self._faults, self._hints)
 
     def _times(self, horizon: float | None) -> tuple[float, float]:
         start_time: float = self._value("start_time", 0.0)
@@ -182,7 +211,7 @@ class _Merge:
                 self._faults.append((f"{here}.path[{k}][2]", f"{text} ({path[k - 1][2]:g} s)"))
         for key, place in (("start", path[0]), ("goal", path[-1])):
             value = getattr(own, key)
-            if value is not None and _point(value) != place[:2]:
+            if value is not None and (not isinstance(value, list) or _point(value) != place[:2]):
                 text = f"is not the path's end ({place[0]:g}, {place[1]:g}); leave it out"
                 self._faults.append((f"{here}.{key}", text))
         if own.start_time is not None and own.start_time != path[0][2]:

@@ -20,7 +20,10 @@ def overlap_faults(scene: Scene) -> list[Fault]:
     Looked at are starts of one start time, and goals on which both agents stay.
     """
     times = np.array([agent.start_time for agent in scene.agents])
-    stays = np.array([agent.after_arrival == "stay" for agent in scene.agents])
+    # Those whose goals are places get spots of their own.
+    stays = np.array(
+        [agent.after_arrival == "stay" and not agent.goal_places for agent in scene.agents]
+    )
     starts = np.array([agent.start for agent in scene.agents])
     goals = np.array([agent.goal for agent in scene.agents])
     faults: list[Fault] = []

@@ -18,12 +18,14 @@ from stplan.scene.format.agents import (
     AgentFile,
     AgentsCsvFile,
     CirclePatternFile,
+    CrowdFile,
     GridPatternFile,
     LinePatternFile,
     PatternFile,
     SharedFields,
     WeightsFile,
 )
+from stplan.scene.reading.crowds import crowd_ends
 from stplan.schema.mapping import Fault
 
 LARGEST_TABLE = 16 * 1024 * 1024
@@ -66,7 +68,9 @@ def num_agents(entry: AgentFile | PatternFile | AgentsCsvFile) -> int:
     """How many agents an `entry` stands for; of a table, which has to be read for that, at least."""
     if isinstance(entry, GridPatternFile):
         return entry.rows * entry.columns
-    return entry.count if isinstance(entry, CirclePatternFile | LinePatternFile) else 1
+    if isinstance(entry, CirclePatternFile | LinePatternFile | CrowdFile):
+        return entry.count
+    return 1
 
 
 def listed_agents(
@@ -95,15 +99,22 @@ def listed_agents(
             )
             for k, row in enumerate(rows)
         ]
+    if isinstance(entry, CrowdFile):
+        starts, goals = crowd_ends(entry, path, faults)
+        # All that an agent of a crowd has of its own is its number.
+        ends = frozenset({"start", "goal"})
+    else:
+        starts, goals = _ends(entry)
+        ends = frozenset()
     return [
         Listed(
             f"{entry.id}-{k + 1}",
             _joined(shared, {"id": f"{entry.id}-{k + 1}", "start": start, "goal": goal}),
             f"{path}[{k}]",
             path,
-            frozenset(shared),
+            frozenset(shared) | ends,
         )
-        for k, (start, goal) in enumerate(zip(*_ends(entry), strict=True))
+        for k, (start, goal) in enumerate(zip(starts, goals, strict=True))
     ]
 
 

@@ -59,6 +59,7 @@ def test_defaults():
         "max_acceleration": None,
         "visits": (),
         "clearance": 0.0,
+        "goal_places": (),
     }
     assert (scene.name, scene.description, scene.map, scene.pairs) == ("scene", "", None, ())
     assert (scene.time_scale, scene.horizon, scene.final_time) == (1, 20, 20)

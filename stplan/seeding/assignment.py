@@ -1,0 +1,225 @@
+"""Who ends where: spots in the places that agents end in, and points that are to be assigned.
+
+Ways are measured on a roadmap of the map, so that nobody is sent through a wall. Where an agent
+
+- stays, it gets a spot of its own (linear assignment, the cheapest kinetic energy on these ways);
+- vanishes, it gets the spot it could leave by first: spots along an exit serve one after another, so that a
+  crowd spreads over exits, and over the width of each, as queues at them grow;
+- is one of a crowd whose points are assigned, it gets one of these (linear assignment of least length, and
+  among assignments as good as that one of even lengths).
+
+These spots are where seeding leads. The optimisation moves the ends of vanishing agents on, wherever in their
+place they are cheapest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from stplan.amounts import amount
+from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.errors import SceneError
+from stplan.problem.planning_problem import PlanningProblem
+from stplan.scene.interactions import PairSettings
+from stplan.scene.model import Scene
+from stplan.scene.places import Place
+
+# Spots keep so many times the radius from walls, where a place has such.
+OFF_WALLS = (1.05, 1.01, 1.0 + 1e-6)
+# Spots of staying agents are so many times as far apart as they have to be; the first that leaves enough.
+APART = (1.1, 1.05, 1.01)
+# Spots of an area are at most so many for every agent that ends there, and so many more.
+SPOTS_AN_AGENT, MORE_SPOTS = 8, 60
+# Where lengths of assignments differ by less than this share, even lengths are better than uneven ones.
+EVENNESS = 5e-3
+# Without a greatest speed, agents are taken to leave in this share of their time.
+SHARE_OF_TIME = 0.5
+# More than any way is long, m.
+FAR = 1e12
+
+
+def settle_goals(problem: PlanningProblem) -> PlanningProblem:
+    """The problem with a goal for everybody: a spot of its places, or one of the points to be assigned.
+
+    Raises:
+        SceneError: a place has too little room for those who stay in it.
+    """
+    scene = problem.scene
+    ending = [a for a, agent in enumerate(scene.agents) if agent.goal_places]
+    if not ending and not scene.assignments:
+        return problem
+    goals = {a: agent.goal for a, agent in enumerate(scene.agents)}
+    for assignment in scene.assignments:
+        members, points = list(assignment.members), np.array(assignment.points)
+        for a, k in zip(members, _least_length(_lengths(problem, members, points)), strict=True):
+            goals[a] = assignment.points[k]
+    staying = [a for a in ending if problem.stays[a]]
+    if staying:
+        taken = [a for a in range(problem.num_agents) if problem.stays[a] and a not in staying]
+        goals |= _settle_staying(problem, staying, np.array([goals[a] for a in taken]), taken)
+    leaving = [a for a in ending if not problem.stays[a]]
+    if leaving:
+        goals |= _settle_leaving(problem, leaving)
+    return with_goals(problem, goals)
+
+
+def with_goals(problem: PlanningProblem, goals: dict[int, tuple[float, float]]) -> PlanningProblem:
+    """The problem with other goals of some agents."""
+    agents = tuple(
+        replace(agent, goal=goals.get(a, agent.goal))
+        for a, agent in enumerate(problem.scene.agents)
+    )
+    scene = replace(problem.scene, agents=agents)
+    return PlanningProblem.from_scene(scene, problem.free_space)
+
+
+def _least_length(lengths: FloatArray) -> IntArray:
+    """Which point everybody gets: (N,) of (N, P) lengths, m.
+
+    The sum exceeds the least one by no more than the share `EVENNESS`: every length weighs between 1 and
+    1 + that.
+    """
+    even = lengths * (1.0 + EVENNESS * lengths / max(float(lengths.max()), 1e-12))
+    return np.asarray(linear_sum_assignment(even)[1], dtype=np.int64)
+
+
+def _settle_staying(
+    problem: PlanningProblem, members: list[int], taken: FloatArray, owners: list[int]
+) -> dict[int, tuple[float, float]]:
+    """Spots for those who stay, apart from each other and from the goals `taken` (T, 2) by `owners`."""
+    halves = PairSettings(problem.scene).half_distances()
+    widest = 2.0 * float(halves[members].max())
+    for apart in APART:
+        points, allowed = _spots(problem, members, apart * widest)
+        if len(owners):
+            gaps = np.hypot(*(points[:, None] - taken[None]).transpose(2, 0, 1))
+            free = (gaps > APART[-1] * (0.5 * widest + halves[owners])).all(axis=1)
+            points, allowed = points[free], allowed[:, free]
+        if len(points) < len(members):
+            continue
+        lengths = np.where(allowed, _lengths(problem, members, points), FAR)
+        spans = (problem.max_times - problem.start_times)[members]
+        energy = problem.masses[members, None] * np.minimum(lengths, FAR) ** 2 / spans[:, None]
+        energy[lengths >= FAR] = FAR**2
+        rows, columns = linear_sum_assignment(energy)
+        if (lengths[rows, columns] < FAR).all():
+            return {a: _point(points[k]) for a, k in zip(members, columns, strict=True)}
+    raise _full(problem.scene, members)
+
+
+def _full(scene: Scene, members: Sequence[int]) -> SceneError:
+    """There is too little room for all who stay."""
+    first = scene.agents[members[0]]
+    which = " and ".join(dict.fromkeys(str(place) for place in first.goal_places))
+    verb = "has" if len(first.goal_places) == 1 else "have"
+    text = f"{which} {verb} no room for all of {len(members)} agents of {amount(first.radius)} m who stay"
+    return SceneError(scene.located(f"{scene.agent_path(members[0])}.goal", text))
+
+
+def _settle_leaving(problem: PlanningProblem, members: list[int]) -> dict[int, tuple[float, float]]:
+    """Spots for those who vanish: everybody takes, nearest first, the one it could leave by first."""
+    halves = PairSettings(problem.scene).half_distances()
+    widest = 2.0 * float(halves[members].max())
+    points, allowed = _spots(problem, members, APART[0] * widest)
+    lengths = np.where(allowed, _lengths(problem, members, points), FAR)
+    nearest = lengths.min(axis=1)
+    spans = (problem.max_times - problem.start_times)[members]
+    leisurely = np.where(nearest < FAR, nearest, 0.0) / (SHARE_OF_TIME * spans)
+    limits = [problem.scene.agents[a].max_speed for a in members]
+    speeds = np.array([float(leisurely.max()) if limit is None else limit for limit in limits])
+    speeds = np.maximum(speeds, 1e-9)
+    ready = problem.start_times[members, None] + lengths / speeds[:, None]
+    headways = 2.0 * halves[members] * np.sqrt(1.0 / speeds**2 + 1.0 / problem.time_scale**2)
+    free = np.full(len(points), -np.inf)
+    chosen: dict[int, tuple[float, float]] = {}
+    for k in np.argsort(ready.min(axis=1), kind="stable").tolist():
+        # Of spots where it would leave at one time the nearest.
+        leave = np.maximum(ready[k], free)
+        best = int(np.lexsort((lengths[k], leave))[0])
+        free[best] = leave[best] + headways[k]
+        chosen[members[k]] = _point(points[best])
+    return chosen
+
+
+def _spots(
+    problem: PlanningProblem, members: list[int], spacing: float
+) -> tuple[FloatArray, BoolArray]:
+    """Points (P, 2) at least `spacing` (m) apart in each place, and (N, P) who may end on which."""
+    from stplan.world.places import StandingRoom, spots
+
+    rooms = StandingRoom(problem.free_space)
+    agents = problem.scene.agents
+    radius_of = {a: agents[a].radius if problem.heeds_walls[a] else 0.0 for a in members}
+    enders: dict[Place, list[int]] = {}
+    for a in members:
+        for place in agents[a].goal_places:
+            enders.setdefault(place, []).append(a)
+    points, allowed = [np.empty((0, 2))], [np.empty((len(members), 0), dtype=bool)]
+    for place, own in enders.items():
+        # One set of spots for all radii that end there: the widest has to fit.
+        radius = max(radius_of[a] for a in own)
+        room = next(
+            (room for off in OFF_WALLS if not (room := rooms.within(place, off * radius)).is_empty),
+            None,
+        )
+        if room is None:
+            continue
+        wide = np.sqrt(room.area / (SPOTS_AN_AGENT * len(own) + MORE_SPOTS))
+        found = spots(room, max(spacing, float(wide)), 0.05 * radius)
+        points.append(found)
+        may = np.isin(members, own)
+        allowed.append(np.repeat(may[:, None], len(found), axis=1))
+    return np.vstack(points), np.hstack(allowed)
+
+
+def _lengths(problem: PlanningProblem, members: list[int], points: FloatArray) -> FloatArray:
+    """(N, P) lengths of ways of `members` to `points` (P, 2), from their last waypoints on, m.
+
+    `FAR` where there is none. Straight where walls leave the straight way clear, else along a roadmap.
+    """
+    from stplan.seeding.search.roadmap import build_roadmap
+
+    origins = np.array([problem.stops[a][-2] for a in members])
+    straight = np.hypot(*(origins[:, None] - points[None]).transpose(2, 0, 1))
+    heeds = problem.heeds_walls[members]
+    if problem.free_space is None or not heeds.any():
+        return straight
+    radii = problem.radii[members]
+    roadmap = build_roadmap(problem.free_space, np.vstack([origins, points]), radii[heeds])
+    graph, places = roadmap.graph, roadmap.place_of
+    starts, ends = places[: len(members)], places[len(members) :]
+    result = straight.copy()
+    for radius in np.unique(radii[heeds]):
+        own = np.flatnonzero(heeds & (radii == radius))
+        free = graph.free_moves(float(radius))[graph.num_vertices :]
+        moves = graph.num_vertices + np.flatnonzero(free)
+        shape = (graph.num_vertices, graph.num_vertices)
+        lengths = csr_array(
+            (graph.length[moves], (graph.move_from[moves], graph.move_to[moves])), shape=shape
+        )
+        reached = dijkstra(lengths, indices=ends)[:, starts[own]].T
+        clear = _sees(problem, origins[own], points, float(radius))
+        result[own] = np.where(clear, straight[own], np.where(np.isfinite(reached), reached, FAR))
+    return result
+
+
+def _sees(
+    problem: PlanningProblem, origins: FloatArray, points: FloatArray, radius: float
+) -> BoolArray:
+    """(N, P) whether a disc can go straight from origins (N, 2) to points (P, 2)."""
+    if problem.free_space is None:
+        return np.ones((len(origins), len(points)), dtype=bool)
+    heads = np.repeat(origins, len(points), axis=0)
+    tails = np.tile(points, (len(origins), 1))
+    room = problem.free_space.segment_clearance(heads, tails)
+    return np.asarray(room > radius).reshape(len(origins), len(points))
+
+
+def _point(values: FloatArray) -> tuple[float, float]:
+    return float(values[0]), float(values[1])

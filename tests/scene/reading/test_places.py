@@ -1,0 +1,129 @@
+"""Goals that are places, crowds that start in them, and what is wrong with them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stplan.errors import SceneError
+from stplan.scene import parse_scene
+from stplan.scene.model import Scene
+from stplan.scene.places import Place
+
+HALL = """\
+stplan: 1
+horizon: 40
+map: {rectangle: [0, 0, 10, 6]}
+places:
+  hall: {rectangle: [0, 0, 5, 6]}
+  east: {line: [[9, 1], [9, 5]]}
+  pond: {circle: {center: [7, 3], radius: 1}}
+agents:
+"""
+
+
+def hall(*agents: str) -> Scene:
+    """A scene with places and these entries of agents."""
+    return parse_scene(HALL + "".join(f"  - {agent}\n" for agent in agents))
+
+
+def faults(*agents: str) -> list[str]:
+    """What is wrong with such a scene, from the path on."""
+    with pytest.raises(SceneError) as error:
+        hall(*agents)
+    return [message.partition(": ")[2] for message in error.value.messages]
+
+
+def test_a_goal_is_a_point_or_places() -> None:
+    scene = hall(
+        "{id: a, start: [1, 1], goal: {place: east}}",
+        "{id: b, start: [1, 2], goal: {any: [pond, east]}}",
+        "{id: c, start: [1, 3], goal: {rectangle: [6, 0, 9, 1]}}",
+        "{id: d, start: [1, 4], goal: [9, 4]}",
+    )
+    east = Place("east", ((9.0, 1.0), (9.0, 5.0)), area=False)
+    assert scene.agents[0].goal_places == (east,)
+    assert [place.name for place in scene.agents[1].goal_places] == ["pond", "east"]
+    assert scene.agents[2].goal_places[0].points[2] == (9.0, 1.0)
+    assert scene.agents[3].goal_places == ()
+    assert [place.name for place in scene.places] == ["hall", "east", "pond"]
+    # A disc is a polygon inside it.
+    assert np.hypot(*(np.array(scene.places[2].points) - [7, 3]).T).max() <= 1 + 1e-12
+
+
+def test_starts_are_drawn_and_the_same_again() -> None:
+    crowd = "{id: p, count: 12, start: {place: hall}, goal: {place: east}, radius: 0.25}"
+    fixed = "{id: q, start: [1, 1], goal: [9, 1], radius: 0.25}"
+    scene = hall(crowd, fixed)
+    assert [agent.id for agent in scene.agents[:2]] == ["p-1", "p-2"]
+    starts = np.array([agent.start for agent in scene.agents])
+    assert ((starts >= 0.25) & (starts <= [5, 5.75])).all()
+    gaps = np.hypot(*(starts[:, None] - starts[None]).transpose(2, 0, 1))
+    assert gaps[np.triu_indices(13, 1)].min() > 0.5
+    assert scene.content_hash == hall(crowd, fixed).content_hash
+    other = parse_scene(HALL + f"  - {crowd}\n  - {fixed}\n", overrides=["seeding.rng_seed=1"])
+    assert other.agents[0].start != scene.agents[0].start
+
+
+def test_a_full_place_is_filled_on_a_lattice() -> None:
+    scene = hall(
+        "{id: p, count: 70, start: {rectangle: [0, 0, 4, 5]}, goal: {place: east}, radius: 0.24}"
+    )
+    starts = np.array([agent.start for agent in scene.agents])
+    gaps = np.hypot(*(starts[:, None] - starts[None]).transpose(2, 0, 1))
+    assert gaps[np.triu_indices(70, 1)].min() > 0.48
+
+
+def test_a_crowd_is_assigned_to_points() -> None:
+    scene = hall(
+        "{id: p, count: 2, start: {points: [[1, 1], [1, 2]]}, goal: {assign: [[9, 2], [9, 1], [9, 3]]}}"
+    )
+    assert scene.assignments[0].members == (0, 1)
+    assert len(scene.assignments[0].points) == 3
+    assert scene.agents[1].start == (1.0, 2.0)
+
+
+def test_what_is_wrong_is_said_where_it_stands() -> None:
+    assert faults("{id: a, start: [1, 1], goal: {place: eats}}") == [
+        "agents[0].goal.place: is 'eats', which is none of the scene's places; did you mean 'east'?"
+    ]
+    (fault,) = faults("{id: a, start: [1, 1], goal: {place: east, line: [[1, 1], [2, 2]]}}")
+    assert fault.startswith("agents[0].goal: has place and line of")
+    (fault,) = faults("{id: a, start: [1, 1], goal: {palce: east}}")
+    assert fault == "agents[0].goal.palce: unknown key; did you mean 'place'?"
+    (fault,) = faults(
+        "{id: p, count: 300, start: {place: hall}, goal: {place: east}, radius: 0.25}"
+    )
+    assert fault.startswith(
+        "agents[0].start: place hall has no room for 300 agents of 0.25 m; the last "
+    )
+    (fault,) = faults("{id: p, count: 3, start: {points: [[1, 1]]}, goal: {assign: [[9, 1]]}}")[:1]
+    assert "a list of 1; one of 3" in fault
+    wide = "{id: p, count: 1, start: {rectangle: [0, 0, 0.5, 0.5]}, goal: [9, 1], radius: 0.6}"
+    assert "has no point that a disc of 0.6 m can stand on" in faults(wide)[0]
+
+
+def test_faults_of_places_themselves() -> None:
+    text = "stplan: 1\nhorizon: 9\nplaces: {a: {rectangle: [1, 0, 0, 1]}, b: {}, c: {disc: 3}}\n"
+    with pytest.raises(SceneError) as error:
+        parse_scene(text + "agents: [{id: a, start: [0, 0], goal: {place: b}}]\n")
+    assert any("places.c.disc: unknown key" in message for message in error.value.messages)
+    with pytest.raises(SceneError) as error:
+        parse_scene(
+            text.replace(", c: {disc: 3}", "")
+            + "agents: [{id: a, start: [0, 0], goal: {place: b}}]\n"
+        )
+    messages = "\n".join(error.value.messages)
+    assert "places.a.rectangle: reaches from xmin 1 to xmax 0" in messages
+    assert "places.b: has none of rectangle, polygon, circle and line" in messages
+
+
+def test_hashes_of_scenes_without_places_stay() -> None:
+    plain = parse_scene("stplan: 1\nhorizon: 9\nagents: [{id: a, start: [0, 0], goal: [1, 1]}]\n")
+    named = parse_scene(
+        "stplan: 1\nhorizon: 9\nplaces: {x: {rectangle: [0, 0, 1, 1]}}\n"
+        "agents: [{id: a, start: [0, 0], goal: [1, 1]}]\n"
+    )
+    before = "b8dd06f67d6776d5b514455d92e3c2fe50a85b8fdf7236b34e2ee35caa565fbb"
+    assert plain.content_hash == before
+    assert named.content_hash != plain.content_hash
