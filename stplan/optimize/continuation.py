@@ -324,7 +324,7 @@ class _Loop:
         """What was reached, with the cost of every term at the last mu."""
         sound = [done.status for done in self._done if done.status is not Status.FAILED]
         return Optimisation(
-            world_lines=self._seed.with_knots(into_place(self._constraints.planes, self._knots)),
+            world_lines=self._seed.with_knots(into_place(self._constraints, self._knots)),
             status=sound[-1] if sound else Status.FAILED,
             outer_iterations=tuple(self._done),
             costs={term.name: term.value(self._knots) for term in self._terms},

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.nlp.constraints import UNBOUNDED, HalfPlanes
+from stplan.nlp.constraints import UNBOUNDED, Constraints, HalfPlanes
 from stplan.problem.layout import KnotLayout
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.places import Place
@@ -22,6 +22,8 @@ from stplan.scene.places import Place
 ALONG_AXIS = 1e-12
 # Ends lie on a place up to this share of its extent.
 ON_PLACE = 1e-9
+# How often ends are moved back onto half-planes and into bounds; what is left then is rounding.
+PROJECTIONS = 5
 
 
 def ends_freely(problem: PlanningProblem, agent: int) -> bool:
@@ -69,18 +71,23 @@ def as_bounds(planes: HalfPlanes, lower: FloatArray, upper: FloatArray) -> HalfP
     return planes.chosen(~along)
 
 
-def into_place(planes: HalfPlanes, knots: FloatArray) -> FloatArray:
-    """Knots (M, 3), those that a solver's tolerance left outside their `planes` moved back onto them."""
-    moved = knots
-    for k, normal, least, greatest in zip(
-        planes.knots.tolist(), planes.normals, planes.least, planes.greatest, strict=True
-    ):
-        at = float(normal @ moved[k, :2])
-        off = min(max(at, least), greatest) - at
-        if off != 0.0:
-            moved = moved.copy() if moved is knots else moved
-            moved[k, :2] += off * normal
-    return moved
+def into_place(constraints: Constraints, knots: FloatArray) -> FloatArray:
+    """Knots (M, 3), those that a solver's tolerance left outside their half-planes moved back onto them.
+
+    They also keep their bounds: the two are enforced in turn.
+    """
+    planes = constraints.planes
+    own = np.unique(planes.knots)
+    for _ in range(PROJECTIONS):
+        at = (planes.normals * knots[planes.knots, :2]).sum(axis=1)
+        off = np.clip(at, planes.least, planes.greatest) - at
+        if not off.any():
+            break
+        knots = knots.copy()
+        for k, normal, step in zip(planes.knots.tolist(), planes.normals, off, strict=True):
+            knots[k, :2] += step * normal
+        knots[own] = np.clip(knots[own], constraints.lower[own], constraints.upper[own])
+    return knots
 
 
 def _off(place: Place, point: FloatArray) -> float:

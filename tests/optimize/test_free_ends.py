@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 from stplan.certify.places import distance_outside
-from stplan.nlp.constraints import HalfPlanes
+from stplan.nlp.constraints import Constraints, HalfPlanes
 from stplan.optimize.free_ends import as_bounds, convex_part, into_place
 from stplan.planner import check, plan, seed
 from stplan.scene import parse_scene
@@ -76,10 +76,18 @@ def test_planes_along_axes_become_bounds() -> None:
         np.zeros(1, dtype=np.int64), np.array([[0.6, 0.8]]), np.array([-2e19]), np.array([1.0])
     )
     assert len(as_bounds(slanted, lower, upper).knots) == 1
-    moved = into_place(slanted, np.array([[1.0, 1.0, 5.0]]))
+    nothing = np.empty(0, dtype=np.int64)
+    held = Constraints(
+        lower, upper, np.empty(0), nothing, nothing.reshape(0, 2), np.empty(0), slanted
+    )
+    moved = into_place(held, np.array([[1.0, 1.0, 5.0]]))
     assert slanted.normals[0] @ moved[0, :2] == pytest.approx(1.0)
+    # Straight back would lead below the square.
+    low = into_place(held, np.array([[2.0, 0.0, 5.0]]))[0]
+    assert low[1] >= 0.0
+    assert slanted.normals[0] @ low[:2] == pytest.approx(1.0, abs=0.03)
     inside = np.array([[0.0, 0.0, 5.0]])
-    assert into_place(slanted, inside) is inside
+    assert into_place(held, inside) is inside
 
 
 SLANTED = """\
