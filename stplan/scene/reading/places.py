@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from stplan.arrays import Point
 from stplan.maps.obstacles import exactly_one
-from stplan.maps.rings import polyline, rectangle_ring, simple_ring
+from stplan.maps.rings import polyline, read_ring, rectangle_ring
 from stplan.scene.format.places import (
     SHAPES,
     CrowdGoalFile,
@@ -109,6 +110,19 @@ def compile_place(name: str, entry: PlaceFile, path: str, faults: list[Fault]) -
         ring = tuple((x + radius * math.cos(a), y + radius * math.sin(a)) for a in angles)
         return Place(name, ring, area=True)
     if entry.polygon is not None:
-        return Place(name, simple_ring(entry.polygon, f"{path}.polygon", faults), area=True)
+        return Place(name, _simple_ring(entry.polygon, f"{path}.polygon", faults), area=True)
     corners = entry.rectangle or [0, 0, 1, 1]
     return Place(name, rectangle_ring(corners, f"{path}.rectangle", faults), area=True)
+
+
+def _simple_ring(
+    points: Sequence[Sequence[float]], path: str, faults: list[Fault]
+) -> tuple[Point, ...]:
+    """The corners of a ring that does not cross itself."""
+    import shapely
+
+    before = len(faults)
+    ring = read_ring(points, path, faults, repair=True)
+    if len(faults) == before and not shapely.is_valid(shapely.Polygon(ring)):
+        faults.append((path, "crosses or touches itself; a simple ring is expected"))
+    return ring

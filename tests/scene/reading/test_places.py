@@ -115,6 +115,11 @@ def test_faults_of_places_themselves() -> None:
         )
     messages = "\n".join(error.value.messages)
     assert "places.a.rectangle: reaches from xmin 1 to xmax 0" in messages
+    with pytest.raises(SceneError, match=r"places.a.polygon: crosses or touches itself; a simple"):
+        parse_scene(
+            "stplan: 1\nhorizon: 9\nplaces: {a: {polygon: [[0, 0], [1, 1], [1, 0], [0, 1.5]]}}\n"
+            "agents: [{id: a, start: [0, 0], goal: {place: a}}]\n"
+        )
     assert "places.b: has none of rectangle, polygon, circle and line" in messages
 
 
