@@ -65,7 +65,7 @@ WALKS = {"map": ROOM, "pairs": FRIENDS, "solver": "clearance_model: smooth-minim
             {"acceleration", "arrival", "collision", "wall"},
         ),
         (
-            {"map": ROOM, "sam": "clearance: 0.2,", "ann": "clearance: 0.25,"},
+            {"map": ROOM, "sam": "clearance: 0.1,", "ann": "clearance: 0.12,"},
             {"acceleration", "arrival", "collision", "wall", "pair clearance", "wall clearance"},
         ),
         (
