@@ -36,6 +36,9 @@ from stplan.scene.interactions import Interactions
 
 # Lists reach this much further than the structure: they cost less than what renewing them saves.
 LIST_SKIN = 1.5
+# Without an end to barriers far pairs have long stretches of about equal distance, and are soft: their
+# structure reaches this part as far.
+ENDLESS_SKIN = 0.1
 
 
 @register(rank=50)
@@ -93,7 +96,9 @@ class Collision(ContactTerm):
             potential = SmoothMinimumBarriers(
                 radius, weight, reach.ravel(), alpha, cutoff=smooth.cutoff
             )
-        blocks = near_blocks(curved.find(knots, skin), len(knots))
+        endless = smooth is not None and not np.isfinite(reach[collides]).all()
+        room = ENDLESS_SKIN * skin if endless else skin
+        blocks = near_blocks(curved.find(knots, room), len(knots))
         coupling = None
         if smooth is not None:
             coupling = DenseCoupling(candidates.find(knots, skin), len(knots), dimension=3)
