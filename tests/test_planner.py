@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import signal
 from dataclasses import replace
 
@@ -12,7 +13,9 @@ from stplan.bench.families_open import agent, circle, scene
 from stplan.certify.certificate import certify
 from stplan.clock import Clock
 from stplan.errors import BrokenSeedError, SolverError, StoppedError
+from stplan.files.json_file import json_bytes
 from stplan.multistart import best_seeds
+from stplan.optimize import continuation
 from stplan.planner import (
     check,
     find_initial_curves,
@@ -22,6 +25,7 @@ from stplan.planner import (
     seed,
     write_plan,
 )
+from stplan.problem.kinetic_cost import total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.model import Scene, Visit
 from stplan.status import Status
@@ -94,6 +98,59 @@ def test_stopped_later_there_is_a_plan_that_holds() -> None:
     assert planned.trajectories is not None
     # The solver moves a start a hair off its bounds.
     assert np.allclose(planned.trajectories.knots, planned.seed.knots, rtol=0.0, atol=1e-6)
+
+
+def used_up(monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
+    """Settings of a solver that may take one step a time."""
+    del monkeypatch
+    return {"max_iterations": 1}
+
+
+def stuck(monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
+    """Settings of an Ipopt that gives up before its first step."""
+    del monkeypatch
+    return {"ipopt": {"max_cpu_time": 1e-6}}
+
+
+def displaced(monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
+    """An optimiser whose curves are wrong, and cheap."""
+
+    def optimise(*arguments, **options):
+        found = continuation.optimise(*arguments, **options)
+        knots = found.world_lines.knots + np.array([0.0, 0.1, 0.0])
+        costs = dict.fromkeys(found.costs, 0.0)
+        return replace(found, world_lines=found.world_lines.with_knots(knots), costs=costs)
+
+    monkeypatch.setattr("stplan.planner.optimise", optimise)
+    return {}
+
+
+@pytest.mark.parametrize(
+    ("hindrance", "status", "exit_status"),
+    [(used_up, Status.LIMIT, 0), (stuck, Status.FAILED, 4), (displaced, Status.BROKEN, 4)],
+)
+def test_however_it_ends_there_are_clear_curves_with_costs_of_their_own(
+    hindrance, status, exit_status, monkeypatch
+) -> None:
+    clear = circle(3, 3.0, 12.0)
+    solver = replace(clear.solver, outer_iterations=2, **hindrance(monkeypatch))
+    planned = plan(replace(clear, solver=solver))
+    assert planned.status is status
+    assert planned.exit_status == exit_status
+    assert planned.advice
+    assert planned.certificate.holds
+    assert planned.trajectories is not None
+    assert planned.certificate == check(clear, planned.trajectories)
+    # The solver moves a start a hair off its bounds.
+    moved = np.abs(planned.trajectories.knots - planned.seed.knots).max()
+    assert moved > 1e-3 if status is Status.LIMIT else moved < 1e-6
+    content = json.loads(json_bytes(planned.report.as_dict()))
+    assert content["status"] == status
+    masses = [one.mass for one in clear.agents]
+    kinetic = total_kinetic_cost(masses, planned.trajectories.curves())
+    assert content["costs"]["kinetic"] == pytest.approx(kinetic)
+    assert None not in content["costs"].values()
+    assert all(done["objective"] is not None for done in content["outer_iterations"])
 
 
 def test_the_callback_is_asked_as_soon_as_there_is_something_to_keep(monkeypatch) -> None:

@@ -10,6 +10,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from stplan.arrays import FloatArray
 from stplan.costs.formulation import Formulation
 from stplan.nlp.backend import Backend
@@ -88,9 +90,9 @@ class Optimisation:
     """The optimised curves and how they were reached.
 
     Attributes:
-        status: how the last outer iteration ended that did not fail; failed where the first one did.
-        outer_iterations: one an outer iteration.
-        costs: every term at the optimised curves and the last mu, by its name.
+        status: how the last outer iteration ended that did not fail; failed where all did.
+        outer_iterations: one an outer iteration; none where the seed touches something.
+        costs: every term at the optimised curves and the last mu, by its name; those that are defined there.
         seed_costs: every term at the seed and the first mu.
         scales, seed_scales: what these costs were weighed with.
         watch: seconds, for the run record only.
@@ -234,6 +236,8 @@ class _Loop:
         mu = self._formulation.scales.mu
         for outer in range(solver.outer_iterations):
             moved = self._outer_iteration(outer, mu)
+            if not self._done:
+                break
             done = self._done[-1]
             self._progress(
                 f"{self._line(outer, mu, done.objective, done.clearance, done.iterations)}"
@@ -246,7 +250,10 @@ class _Loop:
         return self._result()
 
     def _outer_iteration(self, outer: int, mu: float) -> bool:
-        """Minimise at one mu; returns whether that changed the objective."""
+        """Minimise at one mu; returns whether that changed the objective.
+
+        From a seed that touches something nothing is done.
+        """
         scene = self._formulation.problem.scene
         patience = AT_THE_END if outer == scene.solver.outer_iterations - 1 else ON_THE_WAY
         stop = _Stop(scene, self._floor, patience, self._stop)
@@ -262,10 +269,13 @@ class _Loop:
             if before is None:
                 before = control.value(self._knots.ravel())
             if not self._seed_costs:
-                self._seed_costs = {term.name: term.value(self._knots) for term in control.terms}
+                self._seed_costs = _costs(control.terms, self._knots)
                 self._seed_scales = CostScales(self._formulation, mu, sharpness_of(control.terms))
+                self._terms = control.terms
+            if not np.isfinite(before):
+                return False
             self._nonzeros = max(self._nonzeros, len(program.hessian_structure[0]))
-            stop.control = control
+            stop.control, stop.stale = control, False
             solution = self._backend.solve(
                 control,
                 self._knots,
@@ -327,9 +337,11 @@ class _Loop:
             world_lines=self._seed.with_knots(into_place(self._constraints, self._knots)),
             status=sound[-1] if sound else Status.FAILED,
             outer_iterations=tuple(self._done),
-            costs={term.name: term.value(self._knots) for term in self._terms},
+            costs=_costs(self._terms, self._knots),
             seed_costs=self._seed_costs,
-            scales=CostScales(self._formulation, self._done[-1].mu, self._sharpness),
+            scales=CostScales(self._formulation, self._done[-1].mu, self._sharpness)
+            if self._done
+            else self._seed_scales,
             seed_scales=self._seed_scales,
             watch=self._watch,
             iterations=self._iterations,
@@ -337,10 +349,17 @@ class _Loop:
         )
 
 
+def _costs(terms: Sequence[Term], knots: FloatArray) -> dict[str, float]:
+    """What every term costs at `knots`, without those that are undefined there."""
+    costs = {term.name: term.value(knots) for term in terms}
+    return {name: cost for name, cost in costs.items() if np.isfinite(cost)}
+
+
 def _judge(stop: _Stop, solution: Solution, moved: bool) -> Status:
     """How an outer iteration ended: as its last run did, unless it was stopped for a reason."""
     if stop.status is not None:
         return stop.status
-    if solution.status is Status.INTERRUPTED or (solution.status is Status.LIMIT and moved):
-        return Status.LIMIT
-    return Status.FAILED if solution.status is Status.LIMIT else solution.status
+    # Stopped only to be rebuilt, with no iterations left for that.
+    if solution.status in (Status.INTERRUPTED, Status.LIMIT):
+        return Status.LIMIT if moved else Status.FAILED
+    return solution.status

@@ -22,7 +22,7 @@ class CostScales:
     Attributes:
         mu: the barrier weight that the costs are given for.
         sharpness: alpha (1/m) of the smooth minima by the name of their term: of pairs by a A + b, of
-            walls by agent; nan where none was needed, and no entry where clearances are those of contacts.
+            walls by agent; nan where alpha_0 does, and no entry where clearances are those of contacts.
     """
 
     formulation: Formulation
@@ -42,6 +42,8 @@ class CostScales:
             "reference_segments": REFERENCE_SEGMENTS,
             "regularity": dict(zip(ids, scales.regularity.tolist(), strict=True)),
         }
+        if formulation.alpha_0 is not None:
+            content["alpha_0"] = formulation.alpha_0
         if formulation.problem.interactions.grouping.any():
             content["grouping_alpha"] = formulation.problem.scene.solver.alpha
         if "collision" in self.sharpness:

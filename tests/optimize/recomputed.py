@@ -6,6 +6,7 @@ Nothing here comes from the cost rooms: formulas are those of docs/method.md. Th
 from __future__ import annotations
 
 import json
+from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -29,29 +30,42 @@ def recomputed_costs(folder: Path) -> dict[str, float]:
     curves = {
         name: knots[low:high] for name, (low, high) in zip(names, pairwise(offsets), strict=True)
     }
-    return _Costs(scene, report["scales"], curves, masses, radii, c).all()
+    return BruteForce(scene, report["scales"], masses, radii, c).costs(curves)
 
 
-class _Costs:
+class BruteForce:
+    """Every cost of curves, each pair of segments and each edge looked at.
+
+    Args:
+        scene: as YAML gives it.
+        scales: as report.json has them.
+        masses, radii: by agent, kg and m.
+        c: time scale, m/s.
+    """
+
     def __init__(
         self,
         scene: dict[str, Any],
         scales: dict[str, Any],
-        curves: Curves,
         masses: dict[str, float],
         radii: dict[str, float],
         c: float,
     ) -> None:
-        self.scene, self.scales, self.curves = scene, scales, curves
-        self.masses, self.radii, self.c = masses, radii, c
+        self.scene, self.masses, self.radii, self.c = scene, masses, radii, c
         self.agents = {agent["id"]: agent for agent in scene["agents"]}
+        self.weigh(scales)
+
+    def weigh(self, scales: dict[str, Any]) -> None:
+        """Take other scales from now on."""
+        self.scales = scales
         self.mu, self.padding = scales["mu"], scales["padding"]
 
     def weight(self, name: str, key: str, default: float) -> float:
         return self.agents[name].get("weights", {}).get(key, default)
 
-    def all(self) -> dict[str, float]:
-        """Every cost that the scene has."""
+    def costs(self, curves: Curves) -> dict[str, float]:
+        """Every cost that the scene has, inf where something touches or is crossed."""
+        self.curves = curves
         found = {"kinetic": 0.0, "regularity": 0.0}
         for name, curve in self.curves.items():
             step, dt = np.diff(curve[:, :2], axis=0), np.diff(curve[:, 2])
@@ -141,11 +155,11 @@ class _Costs:
                     free = gaps - distance * (1.0 + self.padding)
                     reach = self._range("share_of_distance", distance)
                     strength = self.mu * 0.5 * sum(weights)
-                    alpha = alphas.get((a, b))
+                    alpha = alphas.get((a, b), self.scales.get("alpha_0"))
                     weights = np.outer(
                         self._segment_shares(a, len(gaps)), self._segment_shares(b, len(gaps[0]))
                     )
-                    felt = self._felt(free, weights, reach, alpha, "pair_alphas")
+                    felt = self._felt(free, weights, reach, alpha)
                     found.append(("collision", strength * felt))
                     wish = max(self.agents[name].get("clearance", 0.0) for name in (a, b))
                     wished = [self.weight(name, "clearance", 1.0) for name in (a, b)]
@@ -159,20 +173,13 @@ class _Costs:
         return found
 
     def _felt(
-        self,
-        free: np.ndarray,
-        weights: np.ndarray,
-        reach: float,
-        alpha: float | None,
-        alphas: str,
+        self, free: np.ndarray, weights: np.ndarray, reach: float, alpha: float | None
     ) -> float:
         if alpha is not None:
             return _barrier(_smooth_minimum(free, alpha), reach)
-        if alphas in self.scales:
-            # Of whom no alpha was needed, nobody is near.
-            return 0.0
-        pairs = zip(free.ravel(), weights.ravel(), strict=True)
-        return sum(weight * _barrier(one, reach) for one, weight in pairs)
+        near = free < reach
+        pairs = zip(free[near], weights[near], strict=True)
+        return float(sum(weight * _barrier(one, reach) for one, weight in pairs))
 
     def _missed(self, free: np.ndarray, weights: np.ndarray, wish: float) -> float:
         if not wish:
@@ -180,17 +187,21 @@ class _Costs:
         unit = self.scales["energy"] / self.scales["reference_segments"]
         return unit * float((weights * np.maximum((wish - free) / wish, 0.0) ** 3).sum())
 
-    def _walls(self) -> list[tuple[str, float]]:
-        if "map" not in self.scene:
-            return []
+    @cached_property
+    def _boundary(self) -> tuple[np.ndarray, np.ndarray]:
+        """Edges and corners of the free space."""
         room = shapely.box(*self.scene["map"]["rectangle"])
         for obstacle in self.scene["map"].get("obstacles", []):
             room = room.difference(shapely.box(*obstacle["rectangle"]))
         rings = [np.array(ring.coords) for ring in (room.exterior, *room.interiors)]
-        edges = shapely.linestrings(
-            np.concatenate([np.stack([r[:-1], r[1:]], axis=1) for r in rings])
-        )
-        corners = shapely.points(np.concatenate([ring[:-1] for ring in rings]))
+        edges = np.concatenate([np.stack([ring[:-1], ring[1:]], axis=1) for ring in rings])
+        corners = np.concatenate([ring[:-1] for ring in rings])
+        return shapely.linestrings(edges), shapely.points(corners)
+
+    def _walls(self) -> list[tuple[str, float]]:
+        if "map" not in self.scene:
+            return []
+        edges, corners = self._boundary
         found = []
         for name, curve in self.curves.items():
             strength = self.mu * self.weight(name, "wall", 1.0)
@@ -209,9 +220,10 @@ class _Costs:
                 gaps - radius * (1.0 + self.padding),
                 self._range("share_of_radius", radius),
             )
-            alpha = self.scales.get("wall_alphas", {}).get(name)
+            alpha = self.scales.get("wall_alphas", {}).get(name, self.scales.get("alpha_0"))
             weights = np.full(free.shape, self._share(name))
-            felt = self._felt(free, weights, reach, alpha, "wall_alphas")
+            crossed = shapely.intersects(path[:, None], edges).any()
+            felt = np.inf if crossed else self._felt(free, weights, reach, alpha)
             found.append(("wall", strength * felt))
             missed = self._missed(gaps - radius, weights, self.agents[name].get("clearance", 0.0))
             if any("clearance" in agent for agent in self.agents.values()):
@@ -227,6 +239,8 @@ class _Costs:
 
 
 def _barrier(free: float, reach: float) -> float:
+    if free <= 0.0:
+        return np.inf
     if np.isinf(reach):
         return -np.log(free)
     return 0.0 if free >= reach else -((1.0 - free / reach) ** 2) * np.log(free / reach)
