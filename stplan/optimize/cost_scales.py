@@ -42,8 +42,8 @@ class CostScales:
             "reference_segments": REFERENCE_SEGMENTS,
             "regularity": dict(zip(ids, scales.regularity.tolist(), strict=True)),
         }
-        if formulation.alpha_0 is not None:
-            content["alpha_0"] = formulation.alpha_0
+        if formulation.smooth_minimum is not None:
+            content["alpha_0"] = formulation.smooth_minimum.alpha_0
         if formulation.problem.interactions.grouping.any():
             content["grouping_alpha"] = formulation.problem.scene.solver.alpha
         if "collision" in self.sharpness:
