@@ -37,6 +37,7 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "friends among walls": {"map": ROOM, "pairs": FRIENDS},
     "close friends": {"map": ROOM, "pairs": CLOSE_FRIENDS},
     "meeting": {"pairs": MEET, **FAST},
+    "wished clearance": {"map": ROOM, "sam": "clearance: 0.2,", "ann": "clearance: 0.25,"},
     "wide barriers": {"map": ROOM, "solver": "barrier_range: 0.5, mu: 0.3"},
     "smooth minimum": {"map": ROOM, "pairs": FRIENDS, "solver": SMOOTH},
     "blunt smooth minimum": {"map": ROOM, "solver": f"{SMOOTH}, alpha: 5"},
