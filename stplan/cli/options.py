@@ -7,7 +7,9 @@ from typing import Annotated
 
 import typer
 
-ScenePaths = Annotated[list[Path], typer.Argument(metavar="SCENE", help="Scene files (YAML).")]
+ScenePaths = Annotated[
+    list[Path], typer.Argument(metavar="SCENE", help="Scene files (YAML); - is stdin.")
+]
 RunOrScene = Annotated[
     Path, typer.Argument(metavar="RUN_OR_SCENE", help="Folder of a run, or a scene file.")
 ]

@@ -19,7 +19,16 @@ app = group()
 
 
 def read_scene(path: Path, overrides: Sequence[str]) -> Scene:
-    """The scene in a file; raises UsageError where there is none, SceneError for its faults."""
+    """The scene in a file, or on stdin for ``-``.
+
+    Raises:
+        UsageError: there is none.
+        SceneError: it has faults.
+    """
+    if path == Path("-"):
+        from stplan.scene.reading.load import read_standard_input
+
+        return read_standard_input(sys.stdin.buffer, tuple(overrides))
     if path.is_dir():
         raise UsageError(f"{path} is a folder; expected a scene file")
     if not path.exists():

@@ -7,6 +7,7 @@ from typing import Annotated
 
 from pydantic import Field
 
+from stplan.maps.formats.base import FILE, FileKeys
 from stplan.maps.mesh.base import MESH, MeshKeys
 from stplan.maps.obstacles import ObstacleFile, compile_obstacle, exactly_one
 from stplan.maps.polygon import POLYGON, RECTANGLE, PolygonKeys, RectangleKeys
@@ -31,11 +32,11 @@ class CommonKeys(RepairKeys):
 
 
 # The first base comes last in the schema.
-class MapFile(CommonKeys, RectangleKeys, PolygonKeys, MeshKeys):
-    """Where agents may be: exactly one base (mesh, polygon or rectangle), less the obstacles."""
+class MapFile(CommonKeys, RectangleKeys, PolygonKeys, FileKeys, MeshKeys):
+    """Where agents may be: exactly one base (mesh, file, polygon or rectangle), less the obstacles."""
 
 
-READERS: tuple[MapReader, ...] = (MESH, POLYGON, RECTANGLE)
+READERS: tuple[MapReader, ...] = (MESH, FILE, POLYGON, RECTANGLE)
 
 
 def compile_map(entry: MapFile, folder: Path, faults: list[Fault]) -> MapSpec:

@@ -18,7 +18,7 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 _BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 _SHELL_ENDS = re.compile(r"\s(?:[|>&;]|2>).*$")
 # Quick, and without need of results of other commands.
-_CHEAP = ("validate", "schema", "--help", "--version")
+_CHEAP = ("validate", "schema", "--help", "--version", "import", "new")
 
 
 def _blocks(languages: set[str]) -> list[tuple[Path, str]]:

@@ -31,8 +31,10 @@ def test_every_reader_has_its_keys_in_the_format() -> None:
 @pytest.mark.parametrize("reader", READERS, ids=lambda reader: reader.key)
 def test_every_reader_makes_an_area(reader, tmp_path: Path) -> None:
     (tmp_path / "m.obj").write_text(MESH)
+    (tmp_path / "m.wkt").write_text("POLYGON ((0 0, 4 0, 4 2, 0 2, 0 0))")
     written = {
-        "mesh": "m.obj", "rectangle": "[0, 0, 4, 2]", "polygon": "[[0, 0], [4, 0], [4, 2], [0, 2]]"
+        "mesh": "m.obj", "file": "m.wkt",
+        "rectangle": "[0, 0, 4, 2]", "polygon": "[[0, 0], [4, 0], [4, 2], [0, 2]]"
     }  # fmt: skip
     base = scene(f"{{{reader.key}: {written[reader.key]}}}", folder=tmp_path).map.base
     assert isinstance(base, MapBase)

@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import BinaryIO
 
 from pydantic import ValidationError
 
@@ -39,25 +40,38 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
         )
 
 
+def read_standard_input(stream: BinaryIO, overrides: Sequence[str] = ()) -> Scene:
+    """The scene that comes on standard input; its map files are looked for from the working directory.
+
+    Raises:
+        SceneError: like `load_scene`, with ``-`` for the name of the file.
+    """
+    return parse_scene(_text(stream, "-"), overrides=overrides, label="-")
+
+
 def read_text(source: Path) -> str:
     """What a scene file holds; raises SceneError where it cannot be read."""
     try:
         with source.open("rb") as file:
-            content = file.read(LARGEST_FILE + 1)
+            return _text(file, str(source))
     except FileNotFoundError as error:
         raise SceneError(f"{source}: no such scene file") from error
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise SceneError(f"{source}: cannot be read: {reason}") from error
+
+
+def _text(stream: BinaryIO, name: str) -> str:
+    content = stream.read(LARGEST_FILE + 1)
     if len(content) > LARGEST_FILE:
-        raise SceneError(f"{source}:1:1: the file is larger than {LARGEST_FILE // 2**20} MiB")
+        raise SceneError(f"{name}:1:1: the file is larger than {LARGEST_FILE // 2**20} MiB")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         before = content[: error.start].decode("utf-8", "replace")
         line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
         message = f"the byte 0x{content[error.start]:02x} is not UTF-8; a YAML text is expected"
-        raise SceneError(f"{source}:{line}:{column}: {message}") from error
+        raise SceneError(f"{name}:{line}:{column}: {message}") from error
 
 
 def parse_scene(
@@ -66,9 +80,14 @@ def parse_scene(
     source: Path | None = None,
     directory: Path | None = None,
     overrides: Sequence[str] = (),
+    label: str = "scene",
 ) -> Scene:
-    """Like `load_scene`, from text; map files are looked for in `directory` (default: here)."""
-    name = str(source) if source is not None else "scene"
+    """Like `load_scene`, from text; map files are looked for in `directory` (default: here).
+
+    Args:
+        label: what messages call a text without `source`.
+    """
+    name = label if source is None else str(source)
     folder = directory or Path()
     hints = Hints()
     tree = read_tree(text, name)

@@ -1,0 +1,1 @@
+"""Scenes made of other programs' files, and first scenes made of templates."""

@@ -1,0 +1,1 @@
+"""Maps and crowds in the formats of other programs: one file a format, listed in `registry.py`."""

@@ -1,0 +1,252 @@
+"""Shapes, transforms, lengths and colours of SVG, within bounds."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+
+from stplan.arrays import FloatArray
+from stplan.maps.formats.curves import bezier
+from stplan.maps.formats.drawing import FormatError, finite
+from stplan.maps.formats.xml_tree import Element
+
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_TOKEN = re.compile(rf"([MmLlHhVvCcSsQqTtAaZz])|({_NUMBER})")
+_COUNTS = {"m": 2, "l": 2, "h": 1, "v": 1, "c": 6, "s": 4, "q": 4, "t": 2, "a": 7, "z": 0}
+_TRANSFORM = re.compile(r"(\w+)\s*\(([^)]*)\)")
+# Colours by name that drawings use most; others count as dark.
+_NAMES = {
+    "white": 1.0, "snow": 0.98, "ivory": 0.99, "whitesmoke": 0.96, "lightgray": 0.83, "lightgrey": 0.83,
+    "silver": 0.75, "gainsboro": 0.86, "yellow": 0.89, "lightyellow": 0.99, "beige": 0.95,
+    "linen": 0.95, "cornsilk": 0.97, "lightblue": 0.81, "lightgreen": 0.8, "pink": 0.82, "cyan": 0.7,
+}  # fmt: skip
+_LENGTHS = ("x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "x1", "y1", "x2", "y2")
+_SIDES = 64
+
+
+def length_of(text: str, what: str, line: int) -> float:
+    """A number, whatever its unit: drawings are scaled as a whole."""
+    match = re.match(rf"\s*({_NUMBER})", text)
+    if text.strip().endswith("%"):
+        return 0.0
+    if match is None:
+        raise FormatError(f"{what} is {text[:40]!r}; a number is expected", line)
+    return finite(match[1], what, line)
+
+
+def colour_of(text: str) -> float | None:
+    """How light a colour is, 0 to 1; None is no paint at all. What is not known is dark."""
+    text = text.strip().lower()
+    if text in ("none", "transparent", ""):
+        return None
+    if re.fullmatch(r"#[0-9a-f]{3,8}", text):
+        digits = text[1:]
+        pairs = (
+            [c * 2 for c in digits[:3]]
+            if len(digits) < 6
+            else [digits[k : k + 2] for k in (0, 2, 4)]
+        )
+        red, green, blue = (int(pair, 16) / 255 for pair in pairs)
+        return 0.299 * red + 0.587 * green + 0.114 * blue
+    match = re.match(r"rgba?\(\s*([\d.]+)(%?)[\s,]+([\d.]+)%?[\s,]+([\d.]+)", text)
+    if match:
+        whole = 100.0 if match[2] else 255.0
+        red, green, blue = (float(match[k]) / whole for k in (1, 3, 4))
+        return 0.299 * red + 0.587 * green + 0.114 * blue
+    return _NAMES.get(text, 0.0)
+
+
+def transform_of(text: str, line: int) -> FloatArray:
+    """(3, 3) matrix of a list of transforms."""
+    matrix = np.eye(3)
+    for name, arguments in _TRANSFORM.findall(text):
+        numbers = [finite(word, name, line) for word in re.findall(_NUMBER, arguments)]
+        matrix = matrix @ _one_transform(name, numbers, line)
+    return matrix
+
+
+def _one_transform(name: str, numbers: list[float], line: int) -> FloatArray:
+    matrix = np.eye(3)
+    if name == "matrix" and len(numbers) == 6:
+        matrix[:2] = np.array(numbers).reshape(3, 2).T
+    elif name == "translate" and numbers:
+        matrix[:2, 2] = [numbers[0], numbers[1] if len(numbers) > 1 else 0.0]
+    elif name == "scale" and numbers:
+        matrix[0, 0], matrix[1, 1] = numbers[0], numbers[1] if len(numbers) > 1 else numbers[0]
+    elif name == "rotate" and numbers:
+        angle = math.radians(numbers[0])
+        turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+        centre = np.array(numbers[1:3] if len(numbers) == 3 else [0.0, 0.0])
+        matrix[:2, :2], matrix[:2, 2] = turn, centre - turn @ centre
+    elif name in ("skewX", "skewY") and numbers:
+        matrix[(0, 1) if name == "skewX" else (1, 0)] = math.tan(math.radians(numbers[0]))
+    else:
+        raise FormatError(f"has the transform {name[:40]!r} with {len(numbers)} numbers", line)
+    return matrix
+
+
+def outlines(element: Element, matrix: FloatArray, sag: float) -> tuple[list[FloatArray], bool]:
+    """The polylines (n, 2) of a shape after its transform, and whether any of it is curved.
+
+    Raises:
+        FormatError: its numbers cannot be read.
+    """
+    scale = max(float(np.linalg.norm(matrix[:2, :2], 2)), 1e-12)
+    lines, curved = _lines(element, sag / scale)
+    return [line @ matrix[:2, :2].T + matrix[:2, 2] for line in lines if len(line)], curved
+
+
+def _lines(element: Element, sag: float) -> tuple[list[FloatArray], bool]:
+    tag = element.tag
+    get = {
+        key: length_of(value, key, element.line)
+        for key, value in element.attributes.items()
+        if key in _LENGTHS
+    }
+    if tag == "rect":
+        x, y, width, height = (get.get(key, 0.0) for key in ("x", "y", "width", "height"))
+        return [
+            np.array([[x, y], [x + width, y], [x + width, y + height], [x, y + height], [x, y]])
+        ], False
+    if tag in ("circle", "ellipse"):
+        radii = np.array([get.get("r", get.get("rx", 0.0)), get.get("r", get.get("ry", 0.0))])
+        angles = np.linspace(0, 2 * np.pi, _SIDES + 1)
+        # Around it, so that what is solid keeps its size.
+        ring = np.column_stack([np.cos(angles), np.sin(angles)]) / math.cos(math.pi / _SIDES)
+        return [ring * radii + [get.get("cx", 0.0), get.get("cy", 0.0)]], True
+    if tag == "line":
+        ends = [[get.get("x1", 0.0), get.get("y1", 0.0)], [get.get("x2", 0.0), get.get("y2", 0.0)]]
+        return [np.array(ends)], False
+    if tag in ("polyline", "polygon"):
+        numbers = [
+            finite(word, "points", element.line)
+            for word in re.findall(_NUMBER, element.attributes.get("points", ""))
+        ]
+        points = np.array(numbers[: len(numbers) // 2 * 2]).reshape(-1, 2)
+        return [np.vstack([points, points[:1]]) if tag == "polygon" else points], False
+    return _path(element, sag)
+
+
+def _path(element: Element, sag: float) -> tuple[list[FloatArray], bool]:
+    """The polylines of path data."""
+    pen = _Pen(sag)
+    command = ""
+    numbers: list[float] = []
+    tokens = [*_TOKEN.finditer(element.attributes.get("d", "")), None]
+    for token in tokens:
+        if token is not None and token[2]:
+            numbers.append(finite(token[2], "d", element.line))
+            continue
+        if command:
+            need = _COUNTS[command.lower()]
+            if (need and (not numbers or len(numbers) % need)) or (not need and numbers):
+                raise FormatError(
+                    f"has a path with {len(numbers)} numbers after {command}", element.line
+                )
+            for k in range(0, max(len(numbers), 1), max(need, 1)):
+                pen.draw(command, numbers[k : k + need])
+                command = {"M": "L", "m": "l"}.get(command, command)
+        elif numbers:
+            raise FormatError("has a path that begins with a number", element.line)
+        command, numbers = (token[1], []) if token is not None else ("", [])
+    return pen.finished()
+
+
+class _Pen:
+    """Draws path data."""
+
+    def __init__(self, sag: float) -> None:
+        self.sag = sag
+        self.lines: list[FloatArray] = []
+        self.line: list[FloatArray] = []
+        self.at = np.zeros(2)
+        self.begin = np.zeros(2)
+        self.control: tuple[str, FloatArray] = ("", np.zeros(2))
+        self.curved = False
+
+    def finished(self) -> tuple[list[FloatArray], bool]:
+        """All lines, and whether any is curved."""
+        self._lift()
+        return self.lines, self.curved
+
+    def draw(self, command: str, values: list[float]) -> None:
+        """One command with its numbers."""
+        kind = command.lower()
+        base = self.at if command.islower() else np.zeros(2)
+        before, self.control = self.control, ("", self.at)
+        if kind == "z":
+            self._to(self.begin)
+            self._lift()
+            self.at = self.begin
+        elif kind == "h":
+            self._to(np.array([values[0] + base[0], self.at[1]]))
+        elif kind == "v":
+            self._to(np.array([self.at[0], values[0] + base[1]]))
+        elif kind == "a":
+            self._arc(values, np.array(values[5:]) + base)
+        else:
+            points = np.array(values).reshape(-1, 2) + base
+            if kind == "m":
+                self._lift()
+                self.at = self.begin = points[0]
+            elif kind == "l":
+                self._to(points[0])
+            else:
+                if kind in "st":
+                    same = before[0] == {"s": "c", "t": "q"}[kind]
+                    mirrored = 2 * self.at - before[1] if same else self.at
+                    points = np.vstack([mirrored, points])
+                self._curve(points, "c" if kind in "cs" else "q")
+
+    def _curve(self, points: FloatArray, kind: str) -> None:
+        self.curved = True
+        for place in bezier(np.vstack([self.at, points]), self.sag)[1:]:
+            self._to(place)
+        self.control = (kind, points[-2])
+
+    def _arc(self, values: list[float], end: FloatArray) -> None:
+        """An elliptical arc, by its centre as the standard derives it."""
+        rx, ry, tilt = abs(values[0]), abs(values[1]), math.radians(values[2])
+        if rx == 0 or ry == 0 or (end == self.at).all():
+            self._to(end)
+            return
+        self.curved = True
+        turn = np.array([[math.cos(tilt), math.sin(tilt)], [-math.sin(tilt), math.cos(tilt)]])
+        half = turn @ (self.at - end) / 2 / [rx, ry]
+        size = float(half @ half)
+        if size > 1:
+            rx, ry, half, size = (
+                rx * math.sqrt(size),
+                ry * math.sqrt(size),
+                half / math.sqrt(size),
+                1.0,
+            )
+        sign = -1.0 if bool(values[3]) == bool(values[4]) else 1.0
+        centre = sign * math.sqrt(max(0.0, 1.0 / size - 1.0)) * np.array([half[1], -half[0]])
+        first, last = half - centre, -half - centre
+        start = math.atan2(first[1], first[0])
+        sweep = math.atan2(last[1], last[0]) - start
+        if values[4] and sweep < 0:
+            sweep += 2 * math.pi
+        elif not values[4] and sweep > 0:
+            sweep -= 2 * math.pi
+        step = 2 * math.acos(max(0.0, 1 - min(1.0, self.sag / max(rx, ry))))
+        count = int(min(256, max(2, math.ceil(abs(sweep) / max(step, 1e-3)))))
+        angles = start + sweep * np.arange(1, count + 1) / count
+        circle = np.column_stack([np.cos(angles), np.sin(angles)])
+        places = (circle + centre) * [rx, ry] @ turn + (self.at + end) / 2
+        for place in [*places[:-1], end]:
+            self._to(place)
+
+    def _to(self, place: FloatArray) -> None:
+        if not self.line:
+            self.line.append(self.at)
+        self.line.append(place)
+        self.at = place
+
+    def _lift(self) -> None:
+        if self.line:
+            self.lines.append(np.array(self.line))
+        self.line = []
