@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from stplan.analysis.cost_bound import cost_bound
 from stplan.analysis.metrics import metrics
 from stplan.certify.certificate import Certificate, certify
 from stplan.clock import Clock
@@ -114,6 +115,7 @@ def improve_run(
         )
     status = Status(run.report["status"])
     report = run.report | {"improvement": found.record.as_dict(), "versions": versions()}
+    report |= {"bound": cost_bound(run.problem, found.world_lines).as_dict()}
     if found.optimisation is not None:
         status = found.optimisation.status
         report |= {

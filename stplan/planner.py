@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from stplan.analysis.cost_bound import bound_with, cost_bound
 from stplan.analysis.metrics import metrics
 from stplan.certify.certificate import Certificate, certify
 from stplan.clock import Clock
@@ -153,7 +154,11 @@ def plan(
         with clock.stage("certify"):
             certificate = certify(scene, problem.free_space, optimised.world_lines)
         plans.append(_planned(problem, initial, optimised, certificate, clock))
-    return _cheapest(plans)
+    best = _cheapest(plans)
+    with clock.stage("bound"):
+        bound = cost_bound(problem, best.trajectories or best.seed)
+    times = best.run.optimisation
+    return replace(best, report=replace(best.report, bound=bound), run=RunRecord.of(clock, times))
 
 
 def improve(
@@ -195,6 +200,9 @@ def improve(
             metrics=metrics(result.scene, found.world_lines),
             optimisation=OptimisationReport.of(result.scene, found.optimisation),
         )
+        if content.bound is not None:
+            bound = bound_with(result.scene, found.world_lines, content.bound.least)
+            content = replace(content, bound=bound)
     if found.interrupted:
         content = replace(content, status=Status.INTERRUPTED)
     return replace(

@@ -10,6 +10,7 @@ from platform import node, python_version
 from platform import platform as platform_name
 from typing import TYPE_CHECKING, Any
 
+from stplan.analysis.cost_bound import CostBound
 from stplan.analysis.metrics import Metrics, metrics
 from stplan.certify.certificate import Certificate
 from stplan.clock import Clock
@@ -111,6 +112,7 @@ class Report:
         optimisation: None where only a seed was asked for.
         rivals: all plans that were made, of which this is the cheapest; none where it is the only one.
         improvement: None where none was asked for.
+        bound: what the trajectories cost, and any others at least; None where only a seed was asked for.
         notes: what the user has to know about the map.
     """
 
@@ -122,6 +124,7 @@ class Report:
     optimisation: OptimisationReport | None = None
     rivals: tuple[RivalReport, ...] = ()
     improvement: ImprovementRecord | None = None
+    bound: CostBound | None = None
     notes: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
@@ -149,6 +152,8 @@ class Report:
             content |= self.optimisation.as_dict()
         if self.rivals:
             content["rivals"] = [asdict(one) for one in self.rivals]
+        if self.bound is not None:
+            content["bound"] = self.bound.as_dict()
         if self.improvement is not None:
             content["improvement"] = self.improvement.as_dict()
         return content

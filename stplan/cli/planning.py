@@ -202,6 +202,8 @@ def _plan_lines(plan: Plan, files: list[Path], verbose: bool) -> list[str]:
         figures.append(f"kinetic cost {ratio:.4f} times the straight lines'")
     figures.append(f"latest arrival {metrics.latest_arrival:.2f} s")
     lines.append("  " + ", ".join(figures))
+    if plan.report.bound is not None:
+        lines.append(f"  {plan.report.bound.sentence}")
     if verbose:
         lines += [_agent_line(agent) for agent in metrics.agents]
         spent = ", ".join(f"{name} {amount:.2f} s" for name, amount in plan.run.seconds.items())

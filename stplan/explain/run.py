@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from stplan.analysis.cost_bound import cost_bound
 from stplan.analysis.crowd import Crowd
 from stplan.analysis.detours import ways_alone
 from stplan.certify.certificate import Certificate, certify
+from stplan.explain.costs import cost_section
 from stplan.explain.curves import curve_sections
 from stplan.explain.explanation import Explanation, Fact, Section
 from stplan.files.recorded import RecordedReport
@@ -47,6 +49,9 @@ def explain_run(
     if certificate.pairs or certificate.walls or certificate.holds:
         crowd = Crowd.of_problem(problem, _in_scene_order(problem, lines))
         sections += curve_sections(crowd, certificate, ways_alone(problem))
+    if certificate.holds:
+        ordered = _in_scene_order(problem, lines)
+        sections.append(cost_section(cost_bound(problem, ordered)))
     return Explanation(headline, tuple(sections)), certificate
 
 

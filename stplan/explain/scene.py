@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from stplan.analysis.cost_bound import cost_bound
 from stplan.analysis.crowd import Crowd
 from stplan.analysis.detours import ways_alone
 from stplan.analysis.encounters import Encounter, encounters
@@ -14,6 +15,7 @@ from stplan.analysis.passages import WIDE, Passage, passages
 from stplan.arrays import FloatArray
 from stplan.certify.places import distance_outside
 from stplan.errors import BROKEN_SEED, BrokenSeedError, SeedingError
+from stplan.explain.costs import cost_section
 from stplan.explain.curves import curve_sections
 from stplan.explain.explanation import Explanation, Fact, Section
 from stplan.planner import find_initial_curves, prepare
@@ -54,6 +56,7 @@ def explain_scene(
     sections.append(Section("seeding", "Initial curves", lead))
     crowd = Crowd.of_problem(problem, initial.seed.world_lines)
     sections += curve_sections(crowd, initial.certificate, alone)
+    sections.append(cost_section(cost_bound(problem, initial.seed.world_lines)))
     return Explanation(f"{scene.name}: a valid scene.", tuple(sections)), True
 
 

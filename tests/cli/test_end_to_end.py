@@ -59,7 +59,7 @@ def test_explain(scene, run):
     assert result.status == 0
     assert result.out.startswith("crossing: planning ended as 'converged'; the certificate holds.")
     sections = run("explain", "outputs/crossing", "--json").json["sections"]
-    assert list(sections) == ["pairs", "walls", "waits", "late", "detours"]
+    assert list(sections) == ["pairs", "walls", "waits", "late", "detours", "costs"]
     Path("straight.csv").write_text(
         "agent,knot,x,y,t\nsam,0,-2,0,0\nsam,1,2,0.1,6\nann,0,0.1,-2,0\nann,1,0,2,6\n"
     )

@@ -1,0 +1,36 @@
+"""What is said of costs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stplan.analysis.cost_bound import CostBound
+from stplan.explain.costs import cost_section, payments
+
+
+def bound(costs, least) -> CostBound:
+    names = tuple(f"a{k}" for k in range(len(costs)))
+    return CostBound(names, np.array(costs), np.array(least))
+
+
+def test_those_who_pay_most_of_the_difference_are_named_first():
+    found = bound([3.0, 10.0, 1.0, 2.0], [1.0, 2.0, 1.0, 1.9])
+    section = cost_section(found)
+    assert section.lead == (
+        "All agents together pay 16 J s, and at least 5.9 on any plan, so this one is at most 171 % "
+        "above the best; who pays the difference:"
+    )
+    assert [fact.sentence for fact in section.facts] == [
+        "a1 pays 10, 8 more than alone (79% of the difference)",
+        "a0 pays 3, 2 more than alone (20% of the difference)",
+    ]
+    assert [one.agent for one in payments(found)] == ["a1", "a0"]
+
+
+def test_a_crowd_that_shares_alike_is_not_all_named():
+    assert len(payments(bound([2.0] * 50, [1.0] * 50))) == 10
+
+
+def test_nothing_to_gain_and_nothing_to_pay():
+    assert cost_section(bound([1.0005], [1.0])).lead.endswith("there is nothing to gain.")
+    assert cost_section(bound([0.0], [0.0])).lead == "Nobody has to pay anything."
