@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from stplan.arrays import FloatArray
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement, requirement
 from stplan.reasons import Reason
-from stplan.seeding.infeasibility import not_connected, stranded, too_few_layers
+from stplan.seeding.infeasibility import stranded, too_few_layers
 from stplan.seeding.search.graph import Graph
 from stplan.seeding.search.journeys import Journeys, automatic_layers
 from stplan.seeding.search.planner import LayeredPlanner
-
-# Roadmaps are so many times finer where the first one misses ways that the free space has.
-REFINEMENTS = (2.0, 4.0)
+from stplan.seeding.search.shortest_ways import Way, shortest_ways, walls_kept
+from stplan.seeding.search.way_edges import Track
 
 
 @dataclass(frozen=True)
@@ -60,27 +61,22 @@ class Levels:
         self.ruled_out: dict[float, tuple[Reason, ...]] = {}
         self._known: dict[float, Level] = {}
 
+    @cached_property
+    def ways(self) -> list[Way | None]:
+        """Every agent's shortest way around the walls, None where it has none or heeds no walls."""
+        return shortest_ways(self.problem)
+
     def at(self, margin: float) -> Level:
-        """The level of a margin, finer where the first roadmap misses ways that the free space has."""
+        """The level of a margin."""
         if margin not in self._known:
-            self._known[margin] = self._connected(margin)
+            self._known[margin] = self._level(margin)
         return self._known[margin]
 
-    def _connected(self, margin: float) -> Level:
-        required = requirement(self.problem, margin)
-        level = self._roadmap(margin, required, 1.0)
-        if level.journeys.stranded() and not_connected(self.problem, required.walls):
-            return level
-        for refine in REFINEMENTS:
-            if not level.journeys.stranded():
-                break
-            level = self._roadmap(margin, required, refine)
-        return level
-
-    def _roadmap(self, margin: float, required: Requirement, refine: float) -> Level:
+    def _level(self, margin: float) -> Level:
         from stplan.seeding.search.roadmap import build_roadmap
 
         problem = self.problem
+        required = with_ways(requirement(problem, margin), problem.radii, self.ways)
         movers = np.flatnonzero(~problem.prescribed)
         heeding = problem.heeds_walls[movers]
         radii = required.walls[movers]
@@ -88,12 +84,27 @@ class Levels:
             problem.free_space,
             np.vstack(problem.stops),
             radii[heeding] if heeding.any() else radii,
+            tracks=tracks_of(self.ways, required),
             ignores_walls=not heeding.all(),
-            refine=refine,
             around=4.0 * float(problem.distance.max()),
         )
         journeys = Journeys(problem, roadmap.graph, roadmap.place_of, required)
         return Level(problem, margin, required, roadmap.graph, journeys)
+
+
+def with_ways(required: Requirement, radii: FloatArray, ways: Sequence[Way | None]) -> Requirement:
+    """`required`, with no more distance to walls than shortest ways leave agents of these `radii` (A,)."""
+    return Requirement(required.rods, walls_kept(ways, radii, required.walls))
+
+
+def tracks_of(ways: Sequence[Way | None], required: Requirement) -> list[Track]:
+    """The ways, and how far off the walls agents that take them keep; of the largest first."""
+    known = [
+        Track(way.legs, float(kept))
+        for way, kept in zip(ways, required.walls, strict=True)
+        if way is not None
+    ]
+    return sorted(known, key=lambda track: -track.clearance)
 
 
 def off_roadmap(level: Level) -> tuple[Reason, ...]:

@@ -133,10 +133,10 @@ class _Area:
     """The free space less a radius and a margin of it, as a mesh."""
 
     def __init__(self, space: FreeSpace, radius: float, margin: float) -> None:
-        # Chords of the arcs come nearer than their ends, but for the margin's second half.
+        # Ends of the arcs' chords lie so much further off that their middles keep the margin.
         pieces = max(FEWEST_PIECES, math.ceil(math.pi / 4.0 / math.sqrt(margin)))
         while True:
-            distance = radius * (1.0 + margin / 2) / math.cos(math.pi / (4 * pieces))
+            distance = radius * (1.0 + margin) / math.cos(math.pi / (4 * pieces))
             self._polygon = eroded(space.polygon, distance, quad_segs=pieces)
             if pieces <= 1 or shapely.get_num_coordinates(self._polygon) <= MOST_CORNERS:
                 break
