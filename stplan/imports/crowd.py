@@ -20,7 +20,7 @@ MOST_TRIES = 300
 
 
 @dataclass(frozen=True)
-class Journey:
+class Trip:
     """From where to where."""
 
     start: Point
@@ -43,15 +43,15 @@ class Placer:
         self.starts = _Taken(2 * radius * ROOM)
         self.goals = _Taken(2 * radius * ROOM)
 
-    def journeys(
+    def trips(
         self,
         count: int,
         sources: Sequence[Any] = (),
         goals: Sequence[Any] = (),
         *,
         share_goals: bool = False,
-    ) -> list[Journey]:
-        """Up to `count` journeys, from one of the areas `sources` to one of `goals` (empty: anywhere).
+    ) -> list[Trip]:
+        """Up to `count` trips, from one of the areas `sources` to one of `goals` (empty: anywhere).
 
         Args:
             share_goals: whether goals may lie on one another, of agents that vanish there.
@@ -64,7 +64,7 @@ class Placer:
         if not both:
             return []
         weights = np.array([from_parts[k].area for k in both])
-        found: list[Journey] = []
+        found: list[Trip] = []
         for _ in range(MOST_TRIES * count):
             if len(found) == count:
                 break
@@ -78,7 +78,7 @@ class Placer:
             self.starts.add(start)
             if not share_goals:
                 self.goals.add(goal)
-            found.append(Journey(start, goal))
+            found.append(Trip(start, goal))
         return found
 
     def goal_for(

@@ -179,7 +179,7 @@ def _flowing(
             wanted = min(flow.count or left, math.ceil(left / (len(drawing.flows) - number)))
         sources = [drawing.regions[name] for name in flow.sources if name in drawing.regions]
         goals = [drawing.regions[name] for name in flow.goals if name in drawing.regions]
-        placed = placer.journeys(wanted, sources, goals, share_goals=flow.vanishes)
+        placed = placer.trips(wanted, sources, goals, share_goals=flow.vanishes)
         if len(placed) < wanted:
             read.notes.append(
                 f"{len(placed)} of {wanted} agents fit into {', '.join(flow.sources)}"
@@ -205,8 +205,7 @@ def _placed(
             known = ", ".join(drawing.regions) or "none"
             raise UsageError(f"there is no region {missing[0]!r}; there are: {known}")
         areas.append([drawing.regions[name] for name in names])
-    journeys = placer.journeys(count, *areas)
+    trips = placer.trips(count, *areas)
     return [
-        DrawnAgent(f"a{before + k}", one.start, one.goal, radius)
-        for k, one in enumerate(journeys, 1)
+        DrawnAgent(f"a{before + k}", one.start, one.goal, radius) for k, one in enumerate(trips, 1)
     ]

@@ -117,12 +117,12 @@ def draft_of_template(
     if agents is not None or radius is not None:
         count = len(members) if agents is None else agents
         free_space, _ = free_space_of(template.map, folder)
-        journeys = Placer(free_space, size, np.random.default_rng(rng_seed)).journeys(count)
-        if len(journeys) < count:
-            raise no_room(len(journeys), count, size)
+        trips = Placer(free_space, size, np.random.default_rng(rng_seed)).trips(count)
+        if len(trips) < count:
+            raise no_room(len(trips), count, size)
         members = tuple(
             {"id": f"a{k}", "start": list(one.start), "goal": list(one.goal)}
-            for k, one in enumerate(journeys, 1)
+            for k, one in enumerate(trips, 1)
         )
     comments = (*template.comments, comment, "Lengths in m, times in s; keys: docs/scene-format.md")
     return Draft(name, comments, template.map, template.horizon, {"radius": size}, members)

@@ -72,10 +72,10 @@ def test_pair(entry, message):
 @pytest.mark.parametrize(
     ("entry", "messages"),
     [
-        ("{}", ["4:1: map: has none of mesh, polygon and rectangle; one is expected"]),
+        ("{}", ["4:1: map: has none of mesh, file, polygon and rectangle; one is expected"]),
         (
             "{rectangle: [0, 0, 1, 1], polygon: [[0, 0], [1, 1], [1, 0]]}",
-            ["4:1: map: has polygon and rectangle of mesh, polygon and rectangle; one is"],
+            ["4:1: map: has polygon and rectangle of mesh, file, polygon and rectangle; one is"],
         ),
         (
             "{rectangle: [2, 0, 0, -1], up: z, holes: []}",

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
 from stplan.maps.files import FileContent, read_beside
-from stplan.maps.formats.drawing import Drawing, FileOptions, FormatError, moved
-from stplan.maps.formats.registry import SUFFIXES, format_of
 from stplan.maps.reader import Floor, MapBase, MapError, MapReader
 from stplan.schema.hashing import meaning
 from stplan.schema.mapping import GIVEN, Fault, FileModel, key
 from stplan.schema.quantities import Factor, NotNegative, Positive
 from stplan.schema.quantities import Point as PointKey
+
+if TYPE_CHECKING:
+    from stplan.maps.formats.drawing import Drawing, FileOptions, FormatError
 
 _Name = Annotated[str, Field(min_length=1, max_length=200)]
 _Names = Annotated[list[_Name], Field(min_length=1, max_length=100)]
@@ -73,6 +74,8 @@ class FileBase(MapBase):
 
     def drawing(self) -> Drawing:
         """What the file holds, in m; raises MapError where it cannot be read."""
+        from stplan.maps.formats.drawing import FormatError, moved
+
         try:
             return moved(self.raw_drawing(), self.options)
         except FormatError as error:
@@ -80,11 +83,14 @@ class FileBase(MapBase):
 
     def raw_drawing(self) -> Drawing:
         """What the file holds, in its own units; raises FormatError where it cannot be read."""
+        from stplan.maps.formats.registry import format_of
+
         return format_of(self.file).read(self.file, self.options, self._beside)
 
     def floor(self) -> Floor:
         """What is drawn as floor, or enclosed by walls, less what blocks the way."""
         from stplan.maps.formats.assembly import assembled
+        from stplan.maps.formats.drawing import FormatError
 
         drawing = self.drawing()
         try:
@@ -98,9 +104,13 @@ class FileBase(MapBase):
 
     def meaning(self) -> dict[str, Any]:
         """All that the scene says of it; what the files hold is hashed apart."""
+        from stplan.maps.formats.registry import format_of
+
         return {"format": format_of(self.file).name, "options": meaning(self.options)}
 
     def _beside(self, name: str) -> FileContent:
+        from stplan.maps.formats.drawing import FormatError
+
         for one in self.companions:
             if one.path == self.file.path.parent / name:
                 return one
@@ -113,6 +123,9 @@ def open_file(file: FileContent, options: FileOptions) -> FileBase:
     Raises:
         MapError: it is of no known format, or mentions files that are not there.
     """
+    from stplan.maps.formats.drawing import FormatError
+    from stplan.maps.formats.registry import format_of
+
     try:
         mentions = format_of(file).mentions
         names = () if mentions is None else mentions(file)
@@ -123,6 +136,8 @@ def open_file(file: FileContent, options: FileOptions) -> FileBase:
 
 def _companion(file: FileContent, name: str) -> FileContent:
     """The file of this name beside the one that mentions it; raises FormatError."""
+    from stplan.maps.formats.drawing import FormatError
+
     parts = PurePosixPath(name.replace("\\", "/")).parts
     if not parts or ".." in parts or parts[0].startswith("/") or ":" in name:
         raise FormatError(f"refers to {name[:100]!r}; a file in its own folder is expected")
@@ -141,6 +156,9 @@ def located(file: FileContent, error: FormatError) -> str:
 
 
 def _compile(entry: FileKeys, folder: Path, faults: list[Fault]) -> FileBase:
+    from stplan.maps.formats.drawing import FileOptions, FormatError
+    from stplan.maps.formats.registry import SUFFIXES, format_of
+
     before = len(faults)
     file = read_beside(entry.file or "", folder, SUFFIXES, "map.file", "a map", faults)
     x, y = entry.origin or (0.0, 0.0)

@@ -11,7 +11,7 @@ from stplan.maps.formats.drawing import (
     Drawing,
     DrawnAgent,
     FileOptions,
-    Format,
+    ForeignFormat,
     FormatError,
 )
 from stplan.maps.formats.xml_tree import Element, read_xml
@@ -51,7 +51,7 @@ def _map(element: Element) -> Drawing:
     return Drawing(floors=cell_polygons(free), grid=1.0, height=float(len(rows)))
 
 
-CCBS = Format(
+CCBS = ForeignFormat(
     "CCBS file", (".xml",), read_ccbs,
     claims=lambda content: b"<root" in content or b"<map" in content,
 )  # fmt: skip

@@ -252,7 +252,7 @@ def repaired(shapes: Sequence[Any], what: str) -> tuple[tuple[Any, ...], tuple[s
 
 
 @dataclass(frozen=True)
-class Format:
+class ForeignFormat:
     """A way to read foreign files.
 
     Attributes:

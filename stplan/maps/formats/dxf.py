@@ -17,7 +17,14 @@ import shapely
 from stplan.arrays import FloatArray
 from stplan.maps.files import FileContent
 from stplan.maps.formats.curves import thick
-from stplan.maps.formats.drawing import Beside, Drawing, FileOptions, Format, FormatError, repaired
+from stplan.maps.formats.drawing import (
+    Beside,
+    Drawing,
+    FileOptions,
+    ForeignFormat,
+    FormatError,
+    repaired,
+)
 from stplan.optional import require
 
 LARGEST_FILE = 32 * 1024 * 1024
@@ -223,4 +230,4 @@ class _Reader:
         return shapely.buffer(area, -self.sag) if curved else area
 
 
-DXF = Format("DXF drawing", (".dxf",), read_dxf, frozenset({"layers", "floor"}))
+DXF = ForeignFormat("DXF drawing", (".dxf",), read_dxf, frozenset({"layers", "floor"}))

@@ -20,7 +20,7 @@ from stplan.maps.formats.drawing import (
     Beside,
     Drawing,
     FileOptions,
-    Format,
+    ForeignFormat,
     FormatError,
     repaired,
 )
@@ -169,6 +169,6 @@ def _claims(content: bytes) -> bool:
     return b'"FeatureCollection"' in head or b'"Feature"' in head or b'"coordinates"' in head
 
 
-GEOJSON = Format(
+GEOJSON = ForeignFormat(
     "GeoJSON file", (".geojson", ".json"), read_geojson, frozenset({"layers", "floor"}), _claims
 )

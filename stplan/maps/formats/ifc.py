@@ -9,7 +9,14 @@ import shapely
 
 from stplan.arrays import FloatArray
 from stplan.maps.files import FileContent
-from stplan.maps.formats.drawing import Beside, Drawing, FileOptions, Format, FormatError, repaired
+from stplan.maps.formats.drawing import (
+    Beside,
+    Drawing,
+    FileOptions,
+    ForeignFormat,
+    FormatError,
+    repaired,
+)
 from stplan.optional import require
 
 LARGEST_FILE = 64 * 1024 * 1024
@@ -113,4 +120,4 @@ def _section(corners: FloatArray, height: float) -> Any:
     return outline if outline.area > 0 else shapely.buffer(shapely.union_all(lines), 0.01)
 
 
-IFC = Format("IFC model", (".ifc",), read_ifc, frozenset({"level"}))
+IFC = ForeignFormat("IFC model", (".ifc",), read_ifc, frozenset({"level"}))

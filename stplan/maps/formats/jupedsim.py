@@ -14,7 +14,7 @@ from stplan.maps.formats.drawing import (
     Drawing,
     FileOptions,
     Flow,
-    Format,
+    ForeignFormat,
     FormatError,
     finite,
     repaired,
@@ -133,8 +133,8 @@ def _length(settings: Any, keys: tuple[str, ...], path: str) -> float | None:
     return None
 
 
-DATABASE = Format("JuPedSim trajectory file", (".sqlite", ".sqlite3", ".db"), read_database)
-SCENARIO = Format(
+DATABASE = ForeignFormat("JuPedSim trajectory file", (".sqlite", ".sqlite3", ".db"), read_database)
+SCENARIO = ForeignFormat(
     "JuPedSim scenario", (".json",), read_scenario,
     claims=lambda content: b'"exits"' in content or b'"walkable_' in content or b'"distributions"' in content,
 )  # fmt: skip

@@ -9,7 +9,7 @@ import shapely
 
 from stplan.arrays import Point
 from stplan.maps.files import FileContent
-from stplan.maps.formats.drawing import Beside, Drawing, FileOptions, Format, FormatError
+from stplan.maps.formats.drawing import Beside, Drawing, FileOptions, ForeignFormat, FormatError
 from stplan.maps.formats.json_tree import mapping, members, place, read_json_tree
 
 # Width of a lane, m, where `thickness` does not say: room for two vehicles to pass.
@@ -84,7 +84,7 @@ def _stations(layout: Any, nodes: dict[str, Point]) -> dict[str, Point]:
     return found
 
 
-LIF = Format(
+LIF = ForeignFormat(
     "LIF layout", (".lif", ".json"), read_layout, frozenset({"level"}),
     lambda content: b'"layouts"' in content,
 )  # fmt: skip

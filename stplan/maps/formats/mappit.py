@@ -13,7 +13,7 @@ from stplan.maps.formats.drawing import (
     Drawing,
     DrawnAgent,
     FileOptions,
-    Format,
+    ForeignFormat,
     FormatError,
     finite,
 )
@@ -93,7 +93,7 @@ def _mentioned(file: FileContent) -> tuple[str, ...]:
     return (name,)
 
 
-MAPPIT = Format(
+MAPPIT = ForeignFormat(
     "MAPPIT setup", (".json",), read_setup,
     claims=lambda content: b'"xse"' in content, mentions=_mentioned,
 )  # fmt: skip

@@ -17,7 +17,7 @@ from stplan.maps.formats.drawing import (
     Drawing,
     DrawnAgent,
     FileOptions,
-    Format,
+    ForeignFormat,
     FormatError,
     repaired,
 )
@@ -139,7 +139,7 @@ def _goals(root: Element) -> Iterator[tuple[str, Any]]:
                 yield name, rotate(box, goal.number("angle", 0.0), origin=(x, y))
 
 
-MENGE = Format(
+MENGE = ForeignFormat(
     "Menge scene", (".xml",), read_scene,
     claims=lambda content: b"<Experiment" in content or b"<BFSM" in content,
 )  # fmt: skip

@@ -17,7 +17,7 @@ from stplan.maps.formats.drawing import (
     Drawing,
     DrawnAgent,
     FileOptions,
-    Format,
+    ForeignFormat,
     FormatError,
     finite,
 )
@@ -89,5 +89,5 @@ def read_scenario(file: FileContent, options: FileOptions, beside: Beside) -> Dr
     return Drawing(agents=tuple(agents), grid=1.0, names=(name.rpartition("/")[2],))
 
 
-MAP = Format("MovingAI map", (".map",), read_map, frozenset({"floor"}))
-SCENARIO = Format("MovingAI scenario", (".scen",), read_scenario)
+MAP = ForeignFormat("MovingAI map", (".map",), read_map, frozenset({"floor"}))
+SCENARIO = ForeignFormat("MovingAI scenario", (".scen",), read_scenario)

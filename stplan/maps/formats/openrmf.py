@@ -18,7 +18,7 @@ from stplan.maps.formats.drawing import (
     Drawing,
     DrawnAgent,
     FileOptions,
-    Format,
+    ForeignFormat,
     FormatError,
     finite,
     repaired,
@@ -150,7 +150,7 @@ class _Level:
         return float(np.mean(found)) if found else _PIXEL
 
 
-BUILDING = Format(
+BUILDING = ForeignFormat(
     "building plan", (".yaml", ".yml"), read_building, frozenset({"level", "doors"}),
     lambda content: b"levels" in content,
 )  # fmt: skip

@@ -21,7 +21,7 @@ from stplan.maps.formats.drawing import (
     Beside,
     Drawing,
     FileOptions,
-    Format,
+    ForeignFormat,
     FormatError,
     finite,
 )
@@ -146,8 +146,8 @@ def _lightness(file: FileContent) -> FloatArray:
         raise FormatError("cannot be read: it is damaged, cut short or no picture") from error
 
 
-PICTURE = Format("picture", SUFFIXES, read_picture, frozenset({"threshold"}))
-OCCUPANCY = Format(
+PICTURE = ForeignFormat("picture", SUFFIXES, read_picture, frozenset({"threshold"}))
+OCCUPANCY = ForeignFormat(
     "occupancy map", (".yaml", ".yml"), read_occupancy, frozenset({"threshold"}),
     lambda content: b"image" in content and b"resolution" in content,
     _mentioned,

@@ -21,9 +21,9 @@ from stplan.maps.formats import (
     vadere,
     wkt,
 )
-from stplan.maps.formats.drawing import Format, FormatError
+from stplan.maps.formats.drawing import ForeignFormat, FormatError
 
-FORMATS: tuple[Format, ...] = (
+FORMATS: tuple[ForeignFormat, ...] = (
     movingai.MAP,
     movingai.SCENARIO,
     openrmf.BUILDING,
@@ -45,7 +45,7 @@ FORMATS: tuple[Format, ...] = (
 SUFFIXES = tuple(dict.fromkeys(suffix for form in FORMATS for suffix in form.suffixes))
 
 
-def format_of(file: FileContent) -> Format:
+def format_of(file: FileContent) -> ForeignFormat:
     """The format of a file, by its ending and, where several share it, by what it holds.
 
     Raises:

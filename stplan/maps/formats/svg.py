@@ -22,7 +22,7 @@ from stplan.maps.formats.drawing import (
     Beside,
     Drawing,
     FileOptions,
-    Format,
+    ForeignFormat,
     FormatError,
     repaired,
 )
@@ -300,4 +300,4 @@ def _filled(lines: list[FloatArray], even_odd: bool) -> Any:
     return area
 
 
-SVG = Format("SVG drawing", (".svg",), read_svg, frozenset({"layers", "floor"}))
+SVG = ForeignFormat("SVG drawing", (".svg",), read_svg, frozenset({"layers", "floor"}))

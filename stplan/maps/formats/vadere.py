@@ -14,7 +14,7 @@ from stplan.maps.formats.drawing import (
     DrawnAgent,
     FileOptions,
     Flow,
-    Format,
+    ForeignFormat,
     FormatError,
     finite,
     repaired,
@@ -169,7 +169,7 @@ def disc(centre: tuple[float, float], radius: float) -> shapely.Polygon:
     )
 
 
-VADERE = Format(
+VADERE = ForeignFormat(
     "Vadere scenario", (".scenario", ".json"), read_scenario,
     claims=lambda content: b'"topography"' in content,
 )  # fmt: skip

@@ -13,7 +13,7 @@ from stplan.maps.formats.drawing import (
     Beside,
     Drawing,
     FileOptions,
-    Format,
+    ForeignFormat,
     FormatError,
     repaired,
 )
@@ -87,4 +87,4 @@ def drawing_of(shapes: list[shapely.Geometry]) -> Drawing:
     return Drawing(floors=floors, walls=walls, notes=notes)
 
 
-WKT = Format("well-known text", (".wkt",), read_wkt)
+WKT = ForeignFormat("well-known text", (".wkt",), read_wkt)
