@@ -120,15 +120,15 @@ def _no_way(reason: Reason) -> str:
 
 def _roadmap(reason: Reason) -> str:
     return _unproven(
-        f"{_names(reason)}: the roadmap has no way from start to goal "
-        f"that keeps {reason.figures['margin']:g} times the radius from the walls"
+        f"{_names(reason)}: no way from start to goal was found that leaves its radius any room "
+        "between the walls"
     )
 
 
 def _mesh(reason: Reason) -> str:
     return _unproven(
-        f"{_names(reason)}: no edges of the mesh lead from start to goal at "
-        f"{reason.figures['margin']:g} times its radius from the walls; lower map.resolution"
+        f"{_names(reason)}: no edges of the mesh lead from start to goal clear of the walls; "
+        "lower map.resolution"
     )
 
 

@@ -51,13 +51,18 @@ class SeedingMesh:
     edge_clearance: FloatArray
 
 
-def build_seeding_mesh(scene: Scene, free_space: FreeSpace | None) -> SeedingMesh:
+def build_seeding_mesh(
+    scene: Scene, free_space: FreeSpace | None, stops: FloatArray | None = None
+) -> SeedingMesh:
     """The seeding mesh of `scene`, of at most about MOST_VERTICES vertices.
 
-    Edges are as long as `map.resolution`, by default the smallest radius, and longer where that
-    would take too many vertices.
+    The exact points are `stops` (P, 2), by default the starts, waypoints and goals of the scene. Edges are as
+    long as `map.resolution`, by default the smallest radius, and longer where that would take too many
+    vertices.
     """
-    exact = np.array([point for agent in scene.agents for point in _stops(agent)]) + 0.0
+    if stops is None:
+        stops = np.array([point for agent in scene.agents for point in _stops(agent)])
+    exact = stops + 0.0
     places = np.unique(exact, axis=0)
     radii = np.unique([agent.radius for agent in scene.agents])
     region = box_around(places, 4.0 * float(radii[-1]))

@@ -144,12 +144,25 @@ class _Sizes:
         return 0.12 * min(self.spacing, self.least) + 0.3 * max(self.spacing - self.wanted, 0.0)
 
 
-def mesh_roadmap(mesh: SeedingMesh, exact: FloatArray) -> Roadmap:
-    """A seeding mesh as it is; `exact` points (P, 2) are among its vertices."""
+def mesh_roadmap(
+    mesh: SeedingMesh, free_space: FreeSpace | None, exact: FloatArray, tracks: Sequence[Track] = ()
+) -> Roadmap:
+    """A seeding mesh as it is, and `tracks` between `exact` points (P, 2), which are among its vertices."""
+    place_of = np.ravel(cKDTree(mesh.vertices).query(exact)[1]).astype(np.int64)
     clearance = np.concatenate([mesh.vertex_clearance, mesh.edge_clearance])
-    graph = make_graph(mesh.vertices, mesh.edges, clearance)
-    place_of = cKDTree(mesh.vertices).query(exact)[1]
-    return Roadmap(graph, np.ravel(place_of).astype(np.int64))
+    if free_space is None or not tracks:
+        return Roadmap(make_graph(mesh.vertices, mesh.edges, clearance), place_of)
+    distinct, place = np.unique(exact, axis=0, return_inverse=True)
+    own = np.empty(len(distinct), dtype=np.int64)
+    own[np.ravel(place)] = place_of
+    fixed, along = way_edges(free_space, distinct, tracks, float(np.median(mesh.lengths)))
+    number = np.concatenate([own, len(mesh.vertices) + np.arange(len(fixed) - len(distinct))])
+    vertices = np.vstack([mesh.vertices, fixed[len(distinct) :]])
+    tied = ties(number[len(distinct) :], vertices, TIES)
+    edges = unique_edges(np.vstack([mesh.edges, number[along], tied]))
+    room = _edge_clearance(free_space, vertices, edges)
+    clearance = np.concatenate([_point_clearance(free_space, vertices), room[room > 0]])
+    return Roadmap(make_graph(vertices, edges[room > 0], clearance), place_of)
 
 
 def _vertices(

@@ -1,5 +1,6 @@
 """The paper's initial paths: sequential Dijkstra on the mesh extruded into time layers.
 
+The mesh has everybody's shortest way among its edges, so that nobody misses it for the mesh's spacing.
 Agents are planned one after another, in scene order. Each finds the way of least space-time length
 sum sqrt(dx^2 + dy^2 + (c dt)^2) along waiting and walking edges of the mesh that are clear of the
 walls and of the rods of the agents before it; then its own rod is reserved, which wipes out the
@@ -18,15 +19,16 @@ import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.problem.planning_problem import PlanningProblem
-from stplan.problem.requirement import requirement
+from stplan.problem.requirement import Requirement, requirement
 from stplan.problem.verification import verify
 from stplan.reasons import Reason
 from stplan.seeding.infeasibility import no_order, stranded
 from stplan.seeding.margins import margin_ladder
 from stplan.seeding.search.journeys import Journeys
 from stplan.seeding.search.layered_dijkstra import HARD, space_time_length
-from stplan.seeding.search.levels import Level, out_of_layers
+from stplan.seeding.search.levels import Level, out_of_layers, tracks_of, with_ways
 from stplan.seeding.search.planner import LayeredPlanner
+from stplan.seeding.search.shortest_ways import Way, shortest_ways
 from stplan.seeding.seeder import Budget, SeedAttempt, SeedRecord
 
 if TYPE_CHECKING:
@@ -43,13 +45,21 @@ class SequentialDijkstra:
     problem: PlanningProblem
 
     @cached_property
+    def ways(self) -> list[Way | None]:
+        """Every agent's shortest way around the walls."""
+        return shortest_ways(self.problem)
+
+    @cached_property
     def roadmap(self) -> Roadmap:
-        """The edges of the mesh, with all stops among its vertices."""
+        """The edges of the mesh, with all stops among its vertices (also where pairs meet), and all ways."""
         from stplan.seeding.search.roadmap import mesh_roadmap
         from stplan.world import build_seeding_mesh
 
-        mesh = build_seeding_mesh(self.problem.scene, self.problem.free_space)
-        return mesh_roadmap(mesh, np.vstack(self.problem.stops))
+        problem = self.problem
+        stops = np.vstack(problem.stops)
+        mesh = build_seeding_mesh(problem.scene, problem.free_space, stops)
+        tracks = tracks_of(self.ways, self._required(problem.scene.seeding.margin))
+        return mesh_roadmap(mesh, problem.free_space, stops, tracks)
 
     @cached_property
     def levels(self) -> tuple[Level, ...]:
@@ -57,10 +67,13 @@ class SequentialDijkstra:
         return tuple(self._level(m) for m in margin_ladder(self.problem.scene.seeding.margin))
 
     def _level(self, margin: float) -> Level:
-        required = requirement(self.problem, margin)
+        required = self._required(margin)
         graph = self.roadmap.graph
         journeys = Journeys(self.problem, graph, self.roadmap.place_of, required)
         return Level(self.problem, margin, required, graph, journeys)
+
+    def _required(self, margin: float) -> Requirement:
+        return with_ways(requirement(self.problem, margin), self.problem.radii, self.ways)
 
     def attempt(self, budget: Budget) -> SeedAttempt:
         """Few layers and the widest margin first."""
@@ -83,10 +96,12 @@ class SequentialDijkstra:
                 )
                 curves, orders, failures = _in_orders(planner, rng, budget.spent)
                 tries += orders
-                if curves is not None and not verify(problem, curves, planner.required):
+                faults = [] if curves is None else verify(problem, curves, planner.required)
+                if curves is not None and not faults:
                     record = SeedRecord(margin=level.margin, tries=tries)
                     return SeedAttempt(self.name, curves, clear=True, record=record)
-                reasons = no_order(problem, failures)
+                unclear = tuple(Reason("not clear", fault.agents) for fault in faults)
+                reasons = unclear or no_order(problem, failures)
                 if budget.spent():
                     return SeedAttempt(self.name, reasons=reasons).counting(tries)
         return SeedAttempt(self.name, reasons=reasons).counting(tries)
