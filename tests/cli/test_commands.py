@@ -36,6 +36,7 @@ def test_solve_writes_and_sums_up(stage, run):
         f"  {stage.example.certificate.summary}",
         f"  kinetic cost {stage.example.report.metrics.kinetic_over_straight:.4f} times "
         "the straight lines', latest arrival 5.00 s",
+        "  cost 3.2, at most 1.7e-06 % above any plan's",
         "  outputs/one/: seed.csv seed.npz trajectories.csv trajectories.npz report.json run.json",
     ]
     assert _names("outputs/one") == FILES
