@@ -19,6 +19,8 @@ from stplan.maps.files import FileContent
 
 # A file has at most so many shapes, and so many corners in all of them.
 MOST_SHAPES = 500_000
+# No coordinate of a file is further from its origin, whatever its unit.
+FURTHEST = 1e12
 MOST_CORNERS = 2_000_000
 
 
@@ -224,7 +226,7 @@ def finite(value: Any, what: str, line: int | None = None) -> float:
         number = float(value)
     except (TypeError, ValueError):
         number = float("nan")
-    if isinstance(value, bool) or not abs(number) <= 1e12:
+    if isinstance(value, bool) or not abs(number) <= FURTHEST:
         raise FormatError(f"{what} is {str(value)[:40]!r}; a finite number is expected", line)
     return number
 
@@ -239,8 +241,8 @@ def repaired(shapes: Sequence[Any], what: str) -> tuple[tuple[Any, ...], tuple[s
         return (), ()
     if len(array) > MOST_SHAPES:
         raise FormatError(f"has more than {MOST_SHAPES} shapes")
-    if not np.isfinite(shapely.total_bounds(array)).all():
-        raise FormatError(f"{what} with corners that are not finite")
+    if not (np.abs(shapely.bounds(array[~shapely.is_empty(array)])) <= FURTHEST).all():
+        raise FormatError(f"has {what} with corners that are not finite or absurdly far away")
     bad = ~shapely.is_valid(array)
     notes = []
     if bad.any():

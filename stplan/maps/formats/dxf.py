@@ -29,7 +29,7 @@ from stplan.optional import require
 
 LARGEST_FILE = 32 * 1024 * 1024
 # Entities in all, those of blocks counted as often as they are inserted.
-MOST_ENTITIES = 200_000
+MOST_ENTITIES = 100_000
 DEEPEST_BLOCK = 16
 # How far chords may be from a curve, m.
 _SAG = 0.005

@@ -30,7 +30,7 @@ from stplan.maps.formats.svg_shapes import colour_of, length_of, outlines, trans
 from stplan.maps.formats.xml_tree import Element, read_xml
 
 # Elements in all, those that are used elsewhere counted as often as used.
-MOST_DRAWN = 100_000
+MOST_DRAWN = 50_000
 # How light a colour is at least to be floor, 0 to 1.
 _LIGHT = 0.5
 # Chords may be from curves so far, a share of the page.

@@ -42,7 +42,8 @@ def wkt_shapes(text: str) -> list[shapely.Geometry]:
     for start, piece in _pieces(text):
         line = text.count("\n", 0, start) + 1
         try:
-            shape = shapely.from_wkt(re.sub(r"^\s*SRID=\d+;", "", piece))
+            with np.errstate(all="ignore"):
+                shape = shapely.from_wkt(re.sub(r"^\s*SRID=\d+;", "", piece))
         except shapely.errors.GEOSException as error:
             reason = str(error).splitlines()[0][:200]
             raise FormatError(f"is no valid well-known text: {reason}", line) from error
