@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from stplan.maps.obstacles import CircleFile
-from stplan.scene.format.places import CrowdGoal, CrowdStartFile, Goal, Start
+from stplan.scene.format.places import CrowdGoal, CrowdStartFile, Goal, Start, StartPlaceFile
 from stplan.schema.mapping import GIVEN, FileModel, key
 from stplan.schema.quantities import (
     Identifier,
@@ -25,7 +25,7 @@ MOST_AGENTS = 10_000
 MOST_KNOTS = 100_000
 # Names of the kinds of an entry, as they stand in the places of pydantic's errors.
 KINDS = (
-    "@point", "@waypoint", "@place", "@agent", "@circle", "@line", "@grid", "@crowd", "@file",
+    "@point", "@waypoint", "@place", "@agent", "@circle", "@line", "@grid", "@crowd", "@stream", "@file",
 )  # fmt: skip
 
 
@@ -185,6 +185,21 @@ class CrowdFile(PatternFile):
     goal: CrowdGoal = Field(description="[x, y] in m, places they end in, or points to assign")
 
 
+class StreamFile(PatternFile):
+    """Agents that appear one after another in a place."""
+
+    source: StartPlaceFile = Field(description="the place they appear in, each on a free spot")
+    goal: Goal = Field(description="[x, y] in m, or places they end in")
+    rate: Positive = Field(description="how many appear in a second, on average")
+    during: Interval = Field(description="[from, until] in s: when they appear")
+    arrivals: Annotated[Literal["regular", "poisson"] | None, GIVEN] = key(
+        "at regular times, or at random ones drawn with seeding.rng_seed", "regular"
+    )
+    allowed_time: Annotated[Positive | None, GIVEN] = key(
+        "how long each may take from its start to its goal, s; default: until max_time"
+    )
+
+
 class AgentsCsvFile(SharedFields):
     """Agents of a table; what its rows leave open comes from here, then from `defaults`."""
 
@@ -204,12 +219,15 @@ def _agent_kind(value: Any) -> str:
             return f"@{word}" if word in PATTERNS else "@circle"
         if "file" in value:
             return "@file"
+        if "source" in value:
+            return "@stream"
         return "@crowd" if "count" in value else "@agent"
     kinds: dict[type, str] = {
         CirclePatternFile: "@circle",
         LinePatternFile: "@line",
         GridPatternFile: "@grid",
         CrowdFile: "@crowd",
+        StreamFile: "@stream",
         AgentsCsvFile: "@file",
     }
     return kinds.get(type(value), "@agent")
@@ -221,6 +239,7 @@ AgentEntry = Annotated[
     | Annotated[LinePatternFile, Tag("@line")]
     | Annotated[GridPatternFile, Tag("@grid")]
     | Annotated[CrowdFile, Tag("@crowd")]
+    | Annotated[StreamFile, Tag("@stream")]
     | Annotated[AgentsCsvFile, Tag("@file")],
     Discriminator(_agent_kind),
 ]

@@ -41,6 +41,7 @@ from stplan.schema.quantities import REFUSED_OPTIONS
 
 _Model = TypeVar("_Model", bound=BaseModel)
 # Where faults make it pointless to look whether agents are in each other's way.
+SEEDING = SeedingSettings()
 PLACED = ("agents", "groups", "pairs", "defaults", "places", "map")
 
 
@@ -56,6 +57,7 @@ class Parts:
     horizon: float | None
     map: MapFile | None
     places: Mapping[str, PlaceFile] | None
+    rng_seed: int
 
 
 def parts_of(file: SceneFile) -> Parts:
@@ -69,6 +71,7 @@ def parts_of(file: SceneFile) -> Parts:
         file.horizon,
         file.map,
         file.places,
+        file.seeding.rng_seed,
     )
 
 
@@ -100,6 +103,7 @@ def salvage(tree: Mapping[str, Any], broken: set[str]) -> Parts:
         None if "horizon" in tops else tree.get("horizon"),
         read(MapFile, "map", tree.get("map")),
         _sound_places(tree.get("places", {}), broken),
+        SEEDING.rng_seed,
     )
 
 
@@ -117,7 +121,7 @@ def _top(path: str) -> str:
 
 def _id(entry: Any) -> str | None:
     """An agent's id; of patterns and tables nobody knows whom they stand for."""
-    single = isinstance(entry, dict) and not entry.keys() & {"pattern", "file", "count"}
+    single = isinstance(entry, dict) and not entry.keys() & {"pattern", "file", "count", "source"}
     name = entry.get("id") if single else None
     return name if isinstance(name, str) else None
 
@@ -242,7 +246,7 @@ def _listed(parts: Parts, directory: Path, faults: list[Fault]) -> list[Listed]:
             found.append(Listed(None, None, path))
             total += num_agents(entry)
         else:
-            new = listed_agents(entry, path, directory, faults)
+            new = listed_agents(entry, path, directory, faults, parts.rng_seed)
             found += new
             total += len(new)
     if total > MOST_AGENTS:

@@ -77,11 +77,11 @@ class _Draw:
 
     def _fill(self, place: Place, room: float, members: list[int]) -> None:
         region = self._region(place, room)
-        path = self._scene.agent_path(members[0]).partition("]")[0] + "].start"
+        path = self._scene.agent_path(members[0]).partition("]")[0] + "]"
         radius = amount(self._scene.agents[members[0]].radius)
         if region.is_empty:
-            text = f"is in a place that has no point that a disc of {radius} m can stand on"
-            self._faults.append((path, f"{place} {text[6:]}"))
+            text = f"starts in {place}, which has no point that a disc of {radius} m can stand on"
+            self._faults.append((path, text))
             return
         before = self._spots, self._around
         for spacing in (None, *LATTICES):
@@ -90,7 +90,7 @@ class _Draw:
             if not left:
                 return
         text = (
-            f"{place} has no room for {len(members)} agents of {radius} m; "
+            f"{place} has no room for {len(members)} agents of {radius} m to start; "
             f"the last {left} found no free spot"
         )
         self._faults.append((path, text))

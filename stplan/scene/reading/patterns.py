@@ -23,9 +23,10 @@ from stplan.scene.format.agents import (
     LinePatternFile,
     PatternFile,
     SharedFields,
+    StreamFile,
     WeightsFile,
 )
-from stplan.scene.reading.crowds import crowd_ends
+from stplan.scene.reading.crowds import crowd_ends, stream_agents
 from stplan.schema.mapping import Fault
 
 LARGEST_TABLE = 16 * 1024 * 1024
@@ -50,6 +51,7 @@ class Listed:
         path: where it stands.
         entry: where the keys stand that it shares with others of its pattern or table.
         shared: those keys.
+        renamed: what `start` is called there.
     """
 
     id: str | None
@@ -57,19 +59,27 @@ class Listed:
     path: str
     entry: str = ""
     shared: frozenset[str] = frozenset()
+    renamed: str = "start"
 
     def place(self, key: str) -> str:
         """Path of one of its keys."""
+        if key == "start" and self.renamed != key:
+            return f"{self.entry}.{self.renamed}"
         shared = key.partition(".")[0].partition("[")[0] in self.shared
         return f"{self.entry if shared else self.path}.{key}"
 
 
 def num_agents(entry: AgentFile | PatternFile | AgentsCsvFile) -> int:
-    """How many agents an `entry` stands for; of a table, which has to be read for that, at least."""
+    """How many agents an `entry` stands for; of a table, which has to be read for that, at least.
+
+    Of a stream, whose times may be drawn, about so many.
+    """
     if isinstance(entry, GridPatternFile):
         return entry.rows * entry.columns
     if isinstance(entry, CirclePatternFile | LinePatternFile | CrowdFile):
         return entry.count
+    if isinstance(entry, StreamFile):
+        return max(int(entry.rate * (entry.during[1] - entry.during[0])), 1)
     return 1
 
 
@@ -78,8 +88,12 @@ def listed_agents(
     path: str,
     directory: Path,
     faults: list[Fault],
+    rng_seed: int,
 ) -> list[Listed]:
-    """The agents of an `entry` at `path`; tables are looked for in `directory`."""
+    """The agents of an `entry` at `path`; tables are looked for in `directory`.
+
+    Random times of streams are drawn with `rng_seed`.
+    """
     if isinstance(entry, AgentFile):
         return [Listed(entry.id, entry, path)]
     shared = {
@@ -98,6 +112,18 @@ def listed_agents(
                 frozenset(shared) - frozenset(row),
             )
             for k, row in enumerate(rows)
+        ]
+    if isinstance(entry, StreamFile):
+        return [
+            Listed(
+                f"{entry.id}-{k + 1}",
+                _joined(shared, own | {"id": f"{entry.id}-{k + 1}"}),
+                f"{path}[{k}]",
+                path,
+                frozenset(shared) | {"goal"},
+                "source",
+            )
+            for k, own in enumerate(stream_agents(entry, path, faults, rng_seed))
         ]
     if isinstance(entry, CrowdFile):
         starts, goals = crowd_ends(entry, path, faults)

@@ -95,7 +95,7 @@ def test_what_is_wrong_is_said_where_it_stands() -> None:
         "{id: p, count: 300, start: {place: hall}, goal: {place: east}, radius: 0.25}"
     )
     assert fault.startswith(
-        "agents[0].start: place hall has no room for 300 agents of 0.25 m; the last "
+        "agents[0]: place hall has no room for 300 agents of 0.25 m to start; the last "
     )
     (fault,) = faults("{id: p, count: 3, start: {points: [[1, 1]]}, goal: {assign: [[9, 1]]}}")[:1]
     assert "a list of 1; one of 3" in fault
@@ -132,3 +132,28 @@ def test_hashes_of_scenes_without_places_stay() -> None:
     before = "b8dd06f67d6776d5b514455d92e3c2fe50a85b8fdf7236b34e2ee35caa565fbb"
     assert plain.content_hash == before
     assert named.content_hash != plain.content_hash
+
+
+def test_a_stream_appears_one_after_another() -> None:
+    stream = "{id: s, source: {place: hall}, goal: {place: east}, rate: 0.5, during: [2, 12]"
+    scene = hall(stream + ", allowed_time: 15}")
+    assert [agent.start_time for agent in scene.agents] == [2, 4, 6, 8, 10]
+    assert [agent.max_time for agent in scene.agents] == [17, 19, 21, 23, 25]
+    random = hall(stream + ", arrivals: poisson}")
+    times = [agent.start_time for agent in random.agents]
+    assert times == sorted(times)
+    assert all(2 < time < 12 for time in times)
+    assert {agent.max_time for agent in random.agents} == {40}
+    assert times == [agent.start_time for agent in hall(stream + ", arrivals: poisson}").agents]
+
+
+def test_faults_of_streams() -> None:
+    stream = "{id: s, source: {place: hall}, goal: {place: east}, rate: 0.5, during: "
+    assert faults(stream + "[9, 2]}") == [
+        "agents[0].during: reaches from 9 s to 2 s; a later end is expected"
+    ]
+    assert "lets nobody in" in faults(stream + "[2, 2.1], arrivals: poisson}")[0]
+    (fault,) = faults(stream + "[2, 9], allowed_time: 5, max_time: 30}")
+    assert fault.startswith("agents[0].allowed_time: cannot be said beside max_time")
+    (fault,) = faults(stream.replace("hall", "hell") + "[2, 9]}")
+    assert fault.startswith("agents[0].source.place: is 'hell'")
