@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
-from stplan.amounts import distinct
+from stplan.amounts import amount, distinct
 from stplan.reasons import Kind, Reason
 
 # So many names of a list are said.
@@ -82,6 +83,12 @@ def _goal(reason: Reason) -> str:
 def _not_connected(reason: Reason) -> str:
     figures = reason.figures
     between = "its start, waypoints and goal" if figures["stops"] > 2 else "its start and goal"
+    if figures.get("crack", 0.0) > 0.0:
+        weld = _rounded_up(2 * figures["crack"])
+        return (
+            f"{_names(reason)}: cracks in the mesh up to {amount(figures['crack'])} m wide part "
+            f"{between}; map.weld: {weld} closes them"
+        )
     if figures["widest"] == 0.0:
         return f"{_names(reason)}: {between} lie in separate parts of the map"
     widest, radius = distinct(figures["widest"], figures["radius"], digits=3)
@@ -89,6 +96,12 @@ def _not_connected(reason: Reason) -> str:
         f"{_names(reason)}: no way connects {between} at its radius; the widest lets a radius of "
         f"{widest} m through, the agent's is {radius} m"
     )
+
+
+def _rounded_up(value: float) -> str:
+    """The least number of one digit that is not below `value`, above 0."""
+    power = math.floor(math.log10(value))
+    return amount(math.ceil(value / 10**power) * 10**power, 1)
 
 
 def _limits_of_time(reason: Reason) -> str:

@@ -15,13 +15,16 @@ from stplan.maps.repair import mended, nonzero
 from stplan.maps.spec import MapSpec
 
 
-def read_floor(spec: MapSpec) -> Floor:
+def read_floor(spec: MapSpec, radius: float = np.inf) -> Floor:
     """The area of the map's base less the obstacles, m.
+
+    Args:
+        radius: of the smallest agent, m: far narrower cracks of a mesh may be closed.
 
     Raises:
         MapError: a file of the map cannot be used, or nothing is left.
     """
-    base = spec.base.floor()
+    base = spec.base.floor_for(radius)
     area = base.area
     lines = [one for one in spec.obstacles if isinstance(one, LineObstacle)]
     thin = tuple(np.array(one.line) for one in lines if one.thickness is None)

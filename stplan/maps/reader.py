@@ -74,6 +74,11 @@ class MapBase(ABC):
     def floor(self) -> Floor:
         """The area of the map; raises MapError where there is none."""
 
+    def floor_for(self, radius: float) -> Floor:
+        """The same for agents none of which has a smaller `radius` (m): what they cannot feel may differ."""
+        del radius
+        return self.floor()
+
     def contents(self) -> tuple[bytes, ...]:
         """What the files held that the map was read from."""
         return ()

@@ -56,9 +56,9 @@ def compile_map(entry: MapFile, folder: Path, faults: list[Fault]) -> MapSpec:
 
 def _check_options(entry: MapFile, faults: list[Fault]) -> None:
     """A fault for every key that belongs to a base that is not given."""
-    for name in type(entry).model_fields.keys() - CommonKeys.model_fields.keys():
+    for name in type(entry).model_fields:
         owners = [one for one in READERS if name in one.keys.model_fields and name != one.key]
-        if not owners or getattr(entry, name) is None:
+        if name in CommonKeys.model_fields or not owners or getattr(entry, name) is None:
             continue
         if all(getattr(entry, one.key) is None for one in owners):
             nouns = " or ".join(one.noun for one in owners)

@@ -9,6 +9,7 @@ import numpy as np
 
 from stplan.arrays import Point
 from stplan.schema.mapping import GIVEN, Fault, FileModel, key
+from stplan.schema.quantities import NotNegative
 
 
 def rectangle_ring(values: Sequence[float], path: str, faults: list[Fault]) -> tuple[Point, ...]:
@@ -32,6 +33,15 @@ class RepairKeys(FileModel):
     repair: Annotated[bool | None, GIVEN] = key(
         "mend rings that cross, touch or retrace themselves, with a warning; false refuses them",
         True,
+    )
+
+
+class WeldKeys(FileModel):
+    """What happens to cracks of what was meant to be joined."""
+
+    weld: Annotated[NotNegative | None, GIVEN] = key(
+        "m; of `mesh`: cracks up to this wide are closed, default: far below the smallest radius and the "
+        "extent; of `file`: gaps between ends of walls drawn as lines are, default: 0"
     )
 
 

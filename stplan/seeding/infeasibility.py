@@ -40,17 +40,18 @@ def _too_narrow(problem: PlanningProblem, agent: int) -> Reason:
     """By how much the widest passage between the stops of an agent is too narrow for it."""
     radius = float(problem.radii[agent])
     stops = problem.stops[agent]
-    space, widest = problem.free_space, 0.0
+    space, widest, crack = problem.free_space, 0.0, 0.0
     if space is not None:
-        from stplan.world import widest_passage
+        from stplan.world import widest_crack, widest_passage
 
         widest = widest_passage(space, stops, radius)
+        crack = widest_crack(space, stops, radius)
     return Reason(
         "not connected",
         (problem.agent_ids[agent],),
         proven=True,
         place=_point(problem.starts[agent]),
-        figures={"stops": len(stops), "widest": widest, "radius": radius},
+        figures={"stops": len(stops), "widest": widest, "radius": radius, "crack": crack},
     )
 
 

@@ -6,6 +6,7 @@ from stplan.world.placement import (
     check_scene_in_world,
     cut_off_agents,
     fitted_free_space,
+    widest_crack,
     widest_passage,
 )
 from stplan.world.seeding_mesh import SeedingMesh, build_seeding_mesh
@@ -20,5 +21,6 @@ __all__ = [
     "eroded",
     "fitted_free_space",
     "warnings_of",
+    "widest_crack",
     "widest_passage",
 ]

@@ -139,7 +139,7 @@ def build_free_space(scene: Scene) -> FreeSpace | None:
         return None
     with collector_paused():
         try:
-            floor = read_floor(scene.map)
+            floor = read_floor(scene.map, min(agent.radius for agent in scene.agents))
         except MapError as fault:
             raise SceneError(scene.located(fault.path, fault.text)) from fault
         free_space = FreeSpace.from_polygon(floor.area, floor.triangles, floor.slits)

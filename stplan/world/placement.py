@@ -19,6 +19,8 @@ from stplan.world.places import StandingRoom
 # Erosions are computed with this share less than the radius, so that "not connected" is never claimed
 # because of the rounding of offset curves.
 EROSION_SAFETY = 1e-3
+# Gaps of a mesh up to this share of the radius pass for cracks.
+CRACK_SHARE = 0.1
 
 
 def fixed_points(agent: Agent) -> list[tuple[str, tuple[float, float]]]:
@@ -135,6 +137,34 @@ def widest_passage(free_space: FreeSpace, stops: FloatArray, radius: float) -> f
         else:
             high = middle
     return low
+
+
+def widest_crack(free_space: FreeSpace, stops: FloatArray, radius: float) -> float:
+    """How wide the cracks of a mesh are that alone keep `stops` (n, 2) apart at `radius` (m); m.
+
+    0 where the map is no mesh, or more than cracks is in the way: gaps wider than CRACK_SHARE radii.
+    """
+    if free_space.triangles is None:
+        return 0.0
+    low, high = 0.0, CRACK_SHARE * radius
+    if not _connected_across(free_space, stops, radius, high):
+        return 0.0
+    while high - low > 0.02 * high:
+        middle = (low + high) / 2 if low else high / 10
+        if _connected_across(free_space, stops, radius, middle):
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+def _connected_across(
+    free_space: FreeSpace, stops: FloatArray, radius: float, width: float
+) -> bool:
+    """Whether `stops` are connected where gaps up to `width` (m) are closed."""
+    closed = shapely.buffer(free_space.polygon, width / 2, join_style="mitre")
+    shrunk = eroded(closed, radius * (1 - EROSION_SAFETY) + width / 2, quad_segs=32)
+    return _connected(shapely.STRtree(shapely.get_parts(shrunk)), stops)
 
 
 def _parts(free_space: FreeSpace, radius: float) -> shapely.STRtree:

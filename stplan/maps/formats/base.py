@@ -10,8 +10,9 @@ from pydantic import Field
 
 from stplan.maps.files import FileContent, read_beside
 from stplan.maps.reader import Floor, MapBase, MapError, MapReader
+from stplan.maps.rings import WeldKeys
 from stplan.schema.hashing import meaning
-from stplan.schema.mapping import GIVEN, Fault, FileModel, key
+from stplan.schema.mapping import GIVEN, Fault, key
 from stplan.schema.quantities import Factor, NotNegative, Positive
 from stplan.schema.quantities import Point as PointKey
 
@@ -23,7 +24,7 @@ _Names = Annotated[list[_Name], Field(min_length=1, max_length=100)]
 _Share = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
 
 
-class FileKeys(FileModel):
+class FileKeys(WeldKeys):
     """A file of another program as the map; docs/formats.md lists formats and their options."""
 
     file: Annotated[Annotated[str, Field(min_length=1, max_length=1000)] | None, GIVEN] = key(
@@ -40,9 +41,6 @@ class FileKeys(FileModel):
     )
     simplify: Annotated[NotNegative | None, GIVEN] = key(
         "of `file`: how far corners may be cut off the floor, m; default: one pixel of pictures, else 0"
-    )
-    weld: Annotated[NotNegative | None, GIVEN] = key(
-        "of `file`: gaps up to this width between ends of walls drawn as lines are closed, m", 0.0
     )
     thickness: Annotated[Positive | None, GIVEN] = key(
         "of `file`: of walls drawn as lines, or of lanes where there is nothing else, m; default: none"

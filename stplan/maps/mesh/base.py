@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -11,7 +12,8 @@ from pydantic import Field
 from stplan.errors import SceneError
 from stplan.maps.files import FileContent, read_beside
 from stplan.maps.reader import Floor, MapBase, MapError, MapReader, Note
-from stplan.schema.mapping import GIVEN, Fault, FileModel, key
+from stplan.maps.rings import WeldKeys
+from stplan.schema.mapping import GIVEN, Fault, key
 
 if TYPE_CHECKING:
     import shapely
@@ -22,7 +24,7 @@ STANDARD_UP: dict[str, Axis] = {"glb": "y"}
 SUFFIXES = (".obj", ".ply", ".off", ".stl", ".glb")
 
 
-class MeshKeys(FileModel):
+class MeshKeys(WeldKeys):
     """A mesh as the map."""
 
     mesh: Annotated[Annotated[str, Field(min_length=1, max_length=1000)] | None, GIVEN] = key(
@@ -35,10 +37,16 @@ class MeshKeys(FileModel):
 
 @dataclass(frozen=True)
 class MeshBase(MapBase):
-    """A flat mesh, seen from above; `up` names the axis that points there, None is the format's own."""
+    """A flat mesh, seen from above.
+
+    Attributes:
+        up: the axis that points there, None is the format's own.
+        weld: how wide cracks may be that are closed, m; None follows the radii.
+    """
 
     file: FileContent
     up: Axis | None
+    weld: float | None = None
 
     @property
     def axis(self) -> Axis:
@@ -47,11 +55,15 @@ class MeshBase(MapBase):
 
     def floor(self) -> Floor:
         """The union of the mesh's triangles in the plane."""
+        return self.floor_for(math.inf)
+
+    def floor_for(self, radius: float) -> Floor:
+        """The same, for agents none of which has a smaller `radius` (m)."""
         from stplan.maps.mesh.reader import has_area, mesh_floor
 
         name = self.file.path.name
         try:
-            floor = mesh_floor(self.file, self.axis)
+            floor = mesh_floor(self.file, self.axis, radius, self.weld)
         except SceneError as error:
             text = f"{name} {error}"
             if self.up is None and self.axis == "y" and has_area(self.file, "z"):
@@ -76,7 +88,8 @@ class MeshBase(MapBase):
 
     def meaning(self) -> dict[str, Any]:
         """All that the scene says of it; what the file holds is hashed apart, its name never."""
-        return {"path": "mesh", "up": self.axis}
+        weld = {} if self.weld is None else {"weld": self.weld}
+        return {"path": "mesh", "up": self.axis, **weld}
 
 
 def _symmetric(area: shapely.Geometry) -> bool:
@@ -89,7 +102,7 @@ def _symmetric(area: shapely.Geometry) -> bool:
 
 def _compile(entry: MeshKeys, folder: Path, faults: list[Fault]) -> MeshBase:
     file = read_beside(entry.mesh or "", folder, SUFFIXES, "map.mesh", "a mesh file", faults)
-    return MeshBase(file, entry.up)
+    return MeshBase(file, entry.up, entry.weld)
 
 
 MESH = MapReader("mesh", MeshKeys, _compile, "a mesh")

@@ -10,16 +10,19 @@ from typing import Any
 import numpy as np
 import shapely
 
+from stplan.amounts import amount
 from stplan.arrays import FloatArray, IntArray
 from stplan.errors import SceneError
 from stplan.maps.files import FileContent
 from stplan.maps.mesh.counts import announced_faces, check_counts
 from stplan.maps.mesh.cracks import joined
 from stplan.maps.mesh.obj import read_obj
-from stplan.maps.reader import Floor
+from stplan.maps.reader import Floor, Note
 
 # Triangles may cover the floor so often on average: storeys above one another, a closed surface.
 MOST_LAYERS = 64
+# Cracks are closed up to these shares of the smallest radius and of the floor's extent.
+WELD_RADIUS, WELD_EXTENT = 2e-3, 5e-4
 # Cosine between the normals of two pieces of one face that lie on top of each other.
 FOLDED = -0.99
 # Seen from where an axis points, x and y of the map are these axes of the mesh, times these signs.
@@ -138,11 +141,26 @@ def _has_folds(vertices: FloatArray, triangles: IntArray, up: int) -> bool:
     return bool(((cosine < FOLDED) & (beyond[there] != b[here])).any())
 
 
-def mesh_floor(file: FileContent, up: str) -> Floor:
-    """The union of a mesh's triangles in the plane. Raises like `read_flat_mesh`."""
+def mesh_floor(file: FileContent, up: str, radius: float, weld: float | None = None) -> Floor:
+    """The union of a mesh's triangles in the plane. Raises like `read_flat_mesh`.
+
+    Args:
+        radius: of the smallest agent, m.
+        weld: how far apart corners may be that are joined, m; None: far below the radius and the extent.
+    """
     vertices, triangles = read_flat_mesh(file, up)
+    extent = float(np.ptp(vertices[triangles.ravel()], axis=0).max())
+    within = min(WELD_RADIUS * radius, WELD_EXTENT * extent) if weld is None else weld
     try:
-        area = joined(vertices, triangles)
+        found = joined(vertices, triangles, within)
     except shapely.errors.GEOSException as error:
         raise SceneError("has faces too tangled to be joined") from error
-    return Floor(area, vertices[triangles])
+    notes: tuple[Note, ...] = ()
+    if found.num_welded:
+        corners = "1 corner" if found.num_welded == 1 else f"{found.num_welded} corners"
+        text = (
+            f"{file.path.name}: cracks up to {amount(found.widest)} m wide were closed at {corners}; "
+            f"map.weld sets how wide they may be, here {amount(within)} m"
+        )
+        notes = (Note("map.mesh", text),)
+    return Floor(found.area, vertices[triangles], notes=notes)

@@ -143,7 +143,7 @@ def test_hanging_corners_leave_no_wall_however_rounded(decimals: int) -> None:
     for turn in np.linspace(0.0, 6.28, 150):
         rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
         corners = 4 * np.round(HANGING @ rotation.T, decimals)
-        shape = joined(corners, np.array(HANGING_FACES))
+        shape = joined(corners, np.array(HANGING_FACES)).area
         assert isinstance(shape, shapely.Polygon)
         assert not shape.interiors
         assert set(map(tuple, shape.exterior.coords)) <= set(map(tuple, corners.tolist()))
