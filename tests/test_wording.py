@@ -18,8 +18,6 @@ FIGURES: dict[str, dict[str, float]] = {
     "not connected": {"stops": 2, "widest": 0.25, "radius": 0.3},
     "limits of time": {"latest": 20.0, "earliest": 25.5, "length": 9.0, "speed": 0.4},
     "limit of acceleration": {"latest": 20.0, "length": 9.0, "acceleration": 0.04},
-    "roadmap": {"margin": 1.05},
-    "mesh": {"margin": 1.05},
     "layers": {"layers": 4},
     "order": {"orders": 7},
     "blocked": {"vertices": 125},

@@ -15,7 +15,7 @@ from stplan.maps.repair import mended, nonzero
 from stplan.maps.spec import MapSpec
 
 
-def read_floor(spec: MapSpec, radius: float = np.inf) -> Floor:
+def read_floor(spec: MapSpec, radius: float | None = None) -> Floor:
     """The area of the map's base less the obstacles, m.
 
     Args:

@@ -74,7 +74,7 @@ class MapBase(ABC):
     def floor(self) -> Floor:
         """The area of the map; raises MapError where there is none."""
 
-    def floor_for(self, radius: float) -> Floor:
+    def floor_for(self, radius: float | None) -> Floor:
         """The same for agents none of which has a smaller `radius` (m): what they cannot feel may differ."""
         del radius
         return self.floor()

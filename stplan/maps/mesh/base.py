@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -55,9 +54,9 @@ class MeshBase(MapBase):
 
     def floor(self) -> Floor:
         """The union of the mesh's triangles in the plane."""
-        return self.floor_for(math.inf)
+        return self.floor_for(None)
 
-    def floor_for(self, radius: float) -> Floor:
+    def floor_for(self, radius: float | None) -> Floor:
         """The same, for agents none of which has a smaller `radius` (m)."""
         from stplan.maps.mesh.reader import has_area, mesh_floor
 

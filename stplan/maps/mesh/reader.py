@@ -141,16 +141,21 @@ def _has_folds(vertices: FloatArray, triangles: IntArray, up: int) -> bool:
     return bool(((cosine < FOLDED) & (beyond[there] != b[here])).any())
 
 
-def mesh_floor(file: FileContent, up: str, radius: float, weld: float | None = None) -> Floor:
+def mesh_floor(
+    file: FileContent, up: str, radius: float | None = None, weld: float | None = None
+) -> Floor:
     """The union of a mesh's triangles in the plane. Raises like `read_flat_mesh`.
 
     Args:
-        radius: of the smallest agent, m.
-        weld: how far apart corners may be that are joined, m; None: far below the radius and the extent.
+        radius: of the smallest agent, m, where it is known.
+        weld: how wide cracks may be that are closed, m; None: far below the radius and the extent, or what
+            rounding leaves where no radius is known.
     """
     vertices, triangles = read_flat_mesh(file, up)
     extent = float(np.ptp(vertices[triangles.ravel()], axis=0).max())
-    within = min(WELD_RADIUS * radius, WELD_EXTENT * extent) if weld is None else weld
+    within = weld or 0.0
+    if weld is None and radius is not None:
+        within = min(WELD_RADIUS * radius, WELD_EXTENT * extent)
     try:
         found = joined(vertices, triangles, within)
     except shapely.errors.GEOSException as error:
