@@ -53,7 +53,7 @@ class FinishedRun:
     @property
     def scene(self) -> Scene:
         """What it is a run of."""
-        return self.problem.scene
+        return self.problem.written.scene
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def read_run(folder: Path, scene: Scene) -> FinishedRun:
         raise UsageError(f"{scene.source} is not as it was when {folder} was planned; plan it anew")
     lines = read_trajectories(folder)
     problem = prepare(fixed_at(scene, lines))
-    certificate = certify(scene, problem.free_space, lines)
+    certificate = certify(scene, problem.written.free_space, lines)
     if not certificate.holds:
         raise UsageError(f"{folder}: {certificate.summary}; only certified runs are improved")
     seed = read_trajectories(folder / SEED)

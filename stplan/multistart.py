@@ -69,8 +69,16 @@ def best_seeds(problem: PlanningProblem, *, progress: Progress) -> Contest:
     own, so that one that is slow leaves the others as they are.
 
     Raises:
-        SeedingError: there is none.
+        SeedingError: there is none; its reasons are in the user's units.
     """
+    try:
+        return _contest(problem, progress)
+    except SeedingError as error:
+        reasons = [problem.written.outside_reason(one) for one in error.reasons]
+        raise SeedingError(reasons or str(error)) from error
+
+
+def _contest(problem: PlanningProblem, progress: Progress) -> Contest:
     scene, settings = problem.scene, problem.scene.seeding
     portfolio = prepare_portfolio(problem)
     effort = EFFORTS[scene.solver.effort]

@@ -1,8 +1,8 @@
 """The whole story: prepare -> seed -> restore -> certify -> optimise -> certify -> write.
 
 Every stage is a function of the prepared problem and of what the stage before it gave. `plan` and
-`stplan batch` go through all of them; `seed`, `explain` and the benchmarks go through the same ones, as far
-as they need.
+`stplan batch` go through all of them; `seed`, `explain` and the benchmarks as far as they need. Curves are
+found in the local frame of the problem, and certified and written in the user's coordinates.
 """
 
 from __future__ import annotations
@@ -59,11 +59,13 @@ class InitialCurves:
     """A seed that keeps all that the scene asks: from here on there is something to keep.
 
     Attributes:
-        seed: its world lines are the restored ones.
+        seed: its world lines are the restored ones, in the frame of the problem.
+        world_lines: the same as the user's.
         certificate: of them; it holds.
     """
 
     seed: Seed
+    world_lines: WorldLines
     certificate: Certificate
 
 
@@ -134,7 +136,6 @@ def plan(
     clock = Clock()
     with clock.stage("world"):
         problem = prepare(scene, progress)
-    scene = problem.scene
     rivals = find_initial_curves(problem, most=None, progress=progress, stop=stop, clock=clock)
     stop()  # The answer is heeded below; who is asked knows that from here on a plan is certain.
     plans: list[Plan] = []
@@ -144,21 +145,19 @@ def plan(
         if len(rivals) > 1:
             progress(f"plan {number} of {len(rivals)}, from the seed by {initial.seed.found_by}")
         if plans:
-            other = _rival(problem, initial, plans, stop=stop, clock=clock)
+            other = _rival(problem, initial, rivals[0], plans, stop=stop, clock=clock)
             plans += [] if other is None else [other]
             continue
         with clock.stage("optimise"):
             optimised = optimise(
                 problem, initial.seed.world_lines, progress=progress, live=live, stop=stop
             )  # fmt: skip
-        with clock.stage("certify"):
-            certificate = certify(scene, problem.free_space, optimised.world_lines)
-        plans.append(_planned(problem, initial, optimised, certificate, clock))
+        plans.append(_planned(problem, initial, optimised, clock))
     best = _cheapest(plans)
     with clock.stage("bound"):
         bound = cost_bound(problem, best.trajectories or best.seed)
-    times = best.run.optimisation
-    return replace(best, report=replace(best.report, bound=bound), run=RunRecord.of(clock, times))
+    run = RunRecord.of(clock, best.run.optimisation)
+    return replace(best, report=replace(best.report, bound=bound), run=run)
 
 
 def improve(
@@ -218,13 +217,13 @@ def seed(scene: Scene, *, progress: Progress | None = None, stop: Stop | None = 
     clock = Clock()
     with clock.stage("world"):
         problem = prepare(scene, progress)
-    scene = problem.scene
+    scene = problem.written.scene
     (initial,) = find_initial_curves(problem, progress=progress, stop=stop, clock=clock)
-    found = SeedReport.of(initial.seed, initial.certificate, scene)
+    found = SeedReport.of(initial.seed, initial.world_lines, initial.certificate, scene)
     content = Report(
         scene, Status.SEEDED, initial.certificate, found.metrics, found, notes=_notes_of(problem)
     )
-    return Plan(initial.seed.world_lines, None, content, RunRecord.of(clock))
+    return Plan(initial.world_lines, None, content, RunRecord.of(clock))
 
 
 def check(scene: Scene, lines: WorldLines, *, progress: Progress | None = None) -> Certificate:
@@ -256,7 +255,7 @@ def plan_files(result: Plan) -> dict[str, bytes]:
 
 
 def prepare(scene: Scene, progress: Progress | None = None) -> PlanningProblem:
-    """The problem of `scene`; whatever may be refused without any work is refused here.
+    """The problem of `scene` in its local frame; what may be refused without any work is refused here.
 
     Its own scene has a goal for everybody, also where that is a place or one of some points. What the user
     has to know about the map is said through `progress`.
@@ -267,23 +266,23 @@ def prepare(scene: Scene, progress: Progress | None = None) -> PlanningProblem:
     """
     chosen_linear_solver(scene)
     require_options(scene.solver.ipopt)
-    problem = planning_problem.prepare(scene)
-    _say_notes(scene, problem.free_space, progress or _silent)
+    problem = planning_problem.prepare_local(scene)
+    _say_notes(scene, problem.written.free_space, progress or _silent)
     return settle_goals(problem)
 
 
 def _say_notes(scene: Scene, free_space: FreeSpace | None, progress: Progress) -> None:
-    if free_space is None:
-        return
-    from stplan.world import warnings_of
+    if free_space is not None:
+        from stplan.world import warnings_of
 
-    for line in warnings_of(scene, free_space):
-        progress(line)
+        for line in warnings_of(scene, free_space):
+            progress(line)
 
 
 def _notes_of(problem: PlanningProblem) -> tuple[str, ...]:
     """What the user has to know about the map of `problem`, by key."""
-    notes = () if problem.free_space is None else problem.free_space.notes
+    free_space = problem.written.free_space
+    notes = () if free_space is None else free_space.notes
     return tuple(f"{note.path}: {note.sentence}" for note in notes)
 
 
@@ -304,7 +303,7 @@ def find_initial_curves(
         StoppedError: `stop` said so before the limits were kept.
     """
     progress, stop, clock = progress or _silent, stop or _never, clock or Clock()
-    scene, free_space = problem.scene, problem.free_space
+    written = problem.written
     with clock.stage("seed"):
         if not compiled_before(segment_distances):
             progress("compiling, once after installation: this takes about a quarter of a minute")
@@ -321,9 +320,10 @@ def find_initial_curves(
             if lines is not seed.world_lines and not found and stop():
                 raise StoppedError
         with clock.stage("certify"):
-            certificate = certify(scene, free_space, lines)
+            outside = written.outside(lines)
+            certificate = certify(written.scene, written.free_space, outside)
         if certificate.holds:
-            found.append(InitialCurves(replace(seed, world_lines=lines), certificate))
+            found.append(InitialCurves(replace(seed, world_lines=lines), outside, certificate))
         violations = violations or certificate.violations
     if not found:
         raise BrokenSeedError(violations)
@@ -333,26 +333,22 @@ def find_initial_curves(
 def _rival(
     problem: PlanningProblem,
     initial: InitialCurves,
+    first: InitialCurves,
     plans: Sequence[Plan],
     *,
     stop: Stop,
     clock: Clock,
 ) -> Plan | None:
-    """The plan from another seed, None where a few iterations tell that it is dearer than the best."""
+    """The plan from another seed than the `first`, None where a few iterations tell that it is dearer."""
     from stplan.improvement.trials import Trials
 
+    trials = Trials(problem, first.seed.world_lines, stop)
     best = min(own_cost(plan.scene, plan.trajectories or plan.seed) for plan in plans)
-    trials = Trials(problem, plans[0].seed, stop)
     with clock.stage("optimise"):
-        short = trials.shortly(initial.seed.world_lines, best)
+        short = trials.shortly(initial.seed.world_lines, best / problem.frame.cost)
         optimised = None if short is None else trials.fully(short)
-    if optimised is None:
-        return None
-    with clock.stage("certify"):
-        certificate = certify(problem.scene, problem.free_space, optimised.world_lines)
-    if not certificate.holds:
-        return None
-    return _planned(problem, initial, optimised, certificate, clock)
+    planned = None if optimised is None else _planned(problem, initial, optimised, clock)
+    return None if planned is None or planned.status is Status.BROKEN else planned
 
 
 def _cheapest(plans: Sequence[Plan]) -> Plan:
@@ -378,22 +374,22 @@ def _planned(
     problem: PlanningProblem,
     initial: InitialCurves,
     optimised: Optimisation,
-    certificate: Certificate,
     clock: Clock,
 ) -> Plan:
     """The optimised curves where they hold their certificate, else the seed."""
-    scene = problem.scene
-    lines, status, costs = optimised.world_lines, optimised.status, optimised.costs
-    scales = optimised.scales
+    written, status = problem.written, optimised.status
+    scene, lines = written.scene, written.outside(optimised.world_lines)
+    with clock.stage("certify"):
+        certificate = certify(scene, written.free_space, lines)
     if not certificate.holds:
-        lines, certificate, status = initial.seed.world_lines, initial.certificate, Status.BROKEN
-        costs, scales = optimised.seed_costs, optimised.seed_scales
-    found = SeedReport.of(initial.seed, initial.certificate, scene)
-    made = replace(OptimisationReport.of(scene, optimised), costs=costs, scales=scales)
+        lines, certificate, status = initial.world_lines, initial.certificate, Status.BROKEN
+        optimised = replace(optimised, costs=optimised.seed_costs, scales=optimised.seed_scales)
+    found = SeedReport.of(initial.seed, initial.world_lines, initial.certificate, scene)
+    made = OptimisationReport.of(scene, optimised)
     figures = metrics(ending_as(scene, lines), lines)
     content = Report(scene, status, certificate, figures, found, made, notes=_notes_of(problem))
     run = RunRecord.of(clock, OptimisationTimes.of(optimised, clock.seconds["optimise"]))
-    return Plan(initial.seed.world_lines, lines, content, run)
+    return Plan(initial.world_lines, lines, content, run)
 
 
 def _silent(line: str) -> None:

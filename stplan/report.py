@@ -19,6 +19,7 @@ from stplan.nlp.ipopt.adapter import versions as ipopt_versions
 from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
 from stplan.optimize.continuation import Optimisation, OuterIteration
 from stplan.optimize.cost_scales import CostScales
+from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Seed
 from stplan.status import Status
@@ -39,14 +40,14 @@ class SeedReport:
     metrics: Metrics
 
     @staticmethod
-    def of(seed: Seed, certificate: Certificate, scene: Scene) -> SeedReport:
-        """The report on a certified `seed` of `scene`."""
+    def of(seed: Seed, lines: WorldLines, certificate: Certificate, scene: Scene) -> SeedReport:
+        """The report on a certified `seed` of `scene`; `lines` are its curves as the user's."""
         tightest = certificate.smallest
         return SeedReport(
             seed.found_by,
             seed.record.as_dict(),
             None if tightest is None else tightest.clearance,
-            metrics(scene, seed.world_lines),
+            metrics(scene, lines),
         )
 
     def as_dict(self) -> dict[str, Any]:

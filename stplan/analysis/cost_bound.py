@@ -84,8 +84,8 @@ class CostBound:
 
 
 def cost_bound(problem: PlanningProblem, lines: WorldLines) -> CostBound:
-    """What the agents of `lines`, a plan of `problem` in scene order, pay and have to pay."""
-    return bound_with(problem.scene, lines, least_costs(problem))
+    """What the agents of `lines`, a plan of `problem` as the user's in scene order, pay and have to pay."""
+    return bound_with(problem.written.scene, lines, problem.frame.cost * least_costs(problem))
 
 
 def bound_with(scene: Scene, lines: WorldLines, least: FloatArray) -> CostBound:
@@ -97,7 +97,7 @@ def bound_with(scene: Scene, lines: WorldLines, least: FloatArray) -> CostBound:
 
 
 def least_costs(problem: PlanningProblem) -> FloatArray:
-    """(A,) what every agent that plans its motion pays at least on any plan, J s; 0 for the others."""
+    """(A,) what every agent that plans its motion pays at least on any plan; 0 for the others."""
     return np.array(
         [
             0.0 if agent.path is not None else (1.0 - ROUNDING) * _least_cost(agent, lengths)

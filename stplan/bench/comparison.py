@@ -135,9 +135,10 @@ def build_task(scene: Scene) -> Task:
     if limits or speed is None or acceleration is None:
         raise UsageError(f"{scene.name}: every agent needs the same max_speed and max_acceleration")
     problem = prepare(scene)
-    curves = list(find_initial_curves(problem)[0].seed.world_lines.curves())
-    ways = [curve[:, :2] for curve in geodesic_curves(problem) if curve is not None]
-    return Task(scene, problem.free_space, speed, acceleration, ways, curves, TIME_LIMIT)
+    curves = list(find_initial_curves(problem)[0].world_lines.curves())
+    alone = [curve for curve in geodesic_curves(problem) if curve is not None]
+    ways = [problem.frame.points(curve[:, :2]) for curve in alone]
+    return Task(scene, problem.written.free_space, speed, acceleration, ways, curves, TIME_LIMIT)
 
 
 def measured(

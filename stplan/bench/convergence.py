@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,9 +23,9 @@ from stplan.errors import SeedingError, UsageError
 from stplan.nlp.term import Capability, Term
 from stplan.optimize.continuation import optimise
 from stplan.planner import find_initial_curves, prepare
-from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene import load_scene
+from stplan.scene.model import Scene
 
 Progress = Callable[[str], None]
 
@@ -134,7 +134,7 @@ def measure(
             continue
         traces = []
         for variant in variants:
-            one = trace(problem, initial.seed.world_lines, variant, time_limit)
+            one = trace(scene, initial.seed.world_lines, variant, time_limit)
             traces.append(one)
             progress(
                 f"{scene.name}: {variant}: {len(one.costs) - 1} iterations, {one.seconds[-1]:.2f} s, "
@@ -144,26 +144,27 @@ def measure(
     return found
 
 
-def trace(problem: PlanningProblem, seed: WorldLines, variant: str, time_limit: float) -> Trace:
-    """Optimise `seed` with the options of a variant, for at most `time_limit` s."""
-    scene = with_solver(problem.scene, **VARIANTS[variant])
+def trace(scene: Scene, seed: WorldLines, variant: str, time_limit: float) -> Trace:
+    """Optimise `seed` (in the frame of its problem) as a variant does, for at most `time_limit` s."""
+    problem = prepare(with_solver(scene, **VARIANTS[variant]))
+    unit = problem.frame.cost
     costs: list[float] = []
     seconds: list[float] = []
     started = time.perf_counter()
 
     def observe(knots: FloatArray, terms: Sequence[Term]) -> None:
-        costs.append(
-            sum(term.value(knots) for term in terms if Capability.PRICE in term.capabilities)
-        )
+        priced = (term for term in terms if Capability.PRICE in term.capabilities)
+        costs.append(unit * sum(term.value(knots) for term in priced))
         seconds.append(time.perf_counter() - started)
 
     outcome = optimise(
-        replace(problem, scene=scene), seed,
+        problem, seed,
         progress=lambda line: None,
         stop=lambda: time.perf_counter() - started > time_limit,
         observe=observe,
     )  # fmt: skip
-    certificate = certify(scene, problem.free_space, outcome.world_lines)
+    lines = problem.written.outside(outcome.world_lines)
+    certificate = certify(scene, problem.written.free_space, lines)
     smallest = certificate.smallest
     return Trace(
         scene.name,

@@ -222,30 +222,31 @@ def measure_one(name: str) -> Figure:
 def _compared(figure: Figure, planned: Plan) -> Figure:
     """`figure` with the cost after a few seconds over that of a run until nothing changes."""
     scene = planned.scene
-    problem = prepare(scene)
-    early, _ = _cost_after(problem, planned.seed, TIGHT_SECONDS)
+    early, _ = _cost_after(scene, planned.seed, TIGHT_SECONDS)
     patient = with_solver(
         scene,
         max_iterations=CONVERGED_ITERATIONS,
         step_tolerance=CONVERGED_TOLERANCE,
         optimality_tolerance=CONVERGED_TOLERANCE,
     )
-    best, seconds = _cost_after(replace(problem, scene=patient), planned.seed, CONVERGED_SECONDS)
+    best, seconds = _cost_after(patient, planned.seed, CONVERGED_SECONDS)
     over = early / min(best, early) - 1.0
     return replace(figure, over_converged=over, converged_seconds=seconds)
 
 
-def _cost_after(problem: PlanningProblem, seed: WorldLines, seconds: float) -> tuple[float, float]:
+def _cost_after(scene: Scene, seed: WorldLines, seconds: float) -> tuple[float, float]:
     """Kinetic cost (J s) that at most `seconds` of optimisation reach, and the seconds it took."""
+    problem = prepare(scene)
     started = time.perf_counter()
     outcome = optimise(
         problem,
-        seed,
+        problem.written.inside(seed),
         progress=lambda line: None,
         stop=lambda: time.perf_counter() - started > seconds,
     )
     took = time.perf_counter() - started
-    return total_kinetic_cost(problem.masses, outcome.world_lines.curves()), took
+    kinetic = total_kinetic_cost(problem.masses, outcome.world_lines.curves())
+    return problem.frame.cost * kinetic, took
 
 
 def outcome(figure: Figure) -> str:

@@ -42,8 +42,9 @@ def explain_scene(
     """
     seeding = replace(scene.seeding, time_limit=min(time_limit, scene.seeding.time_limit))
     problem = prepare(scene if time_limit <= 0 else replace(scene, seeding=seeding), progress)
-    alone = ways_alone(problem)
-    sections = [population(problem), passage_section(problem), encounter_section(problem, alone)]
+    seen = problem.as_written
+    alone = ways_alone(seen)
+    sections = [population(seen), passage_section(seen), encounter_section(seen, alone)]
     if time_limit <= 0:
         return Explanation(f"{scene.name}: a valid scene.", tuple(sections)), True
     try:
@@ -54,9 +55,9 @@ def explain_scene(
     found_by = initial.seed.found_by
     lead = f"Found by {found_by}. What follows is about them; planning makes them smooth."
     sections.append(Section("seeding", "Initial curves", lead))
-    crowd = Crowd.of_problem(problem, initial.seed.world_lines)
+    crowd = Crowd.of_problem(seen, initial.world_lines)
     sections += curve_sections(crowd, initial.certificate, alone)
-    sections.append(cost_section(cost_bound(problem, initial.seed.world_lines)))
+    sections.append(cost_section(cost_bound(problem, initial.world_lines)))
     return Explanation(f"{scene.name}: a valid scene.", tuple(sections)), True
 
 

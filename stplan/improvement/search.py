@@ -83,6 +83,7 @@ class Improvement:
     """The best plan, and how it was come by.
 
     Attributes:
+        world_lines: as the user's.
         certificate: of it; it holds.
         optimisation: that led to it, None where nothing was gained.
         record: for the report; repeatable where the budget is one of moves.
@@ -109,7 +110,7 @@ def improve(
     """The cheapest plan that the moves of `budget` lead to, `lines` where they lead to none.
 
     Args:
-        lines: a plan of `problem` that holds its certificate.
+        lines: a plan of `problem`, as the user's, that holds its certificate.
         rng_seed: of all random numbers.
         progress: is told a line for every plan that is kept.
         stop: asked again and again; True ends with the best plan so far.
@@ -162,6 +163,8 @@ class _Search:
         stop: Stop,
     ) -> None:
         self._problem = problem
+        self._given = lines
+        lines = problem.written.inside(lines)
         self._rng = np.random.default_rng(rng_seed)
         self._budget = budget
         self._deadline = working_time() + budget.seconds
@@ -210,10 +213,11 @@ class _Search:
 
     def result(self) -> Improvement:
         """The best plan, with its certificate."""
-        best = self._best
+        best, written = self._best, self._problem.written
+        lines = self._given if best.optimisation is None else written.outside(best.lines)
         return Improvement(
-            best.lines,
-            self._certificate(best.lines),
+            lines,
+            certify(written.scene, written.free_space, lines),
             best.optimisation,
             self.record(),
             self._stop(),
@@ -226,8 +230,10 @@ class _Search:
             str(move): {"tried": tally.tried, "accepted": tally.kept}
             for move, tally in self._tallies.items()
         }
+        cost = self._problem.frame.cost
+        history = tuple(one | {"cost": cost * one["cost"]} for one in best.history)
         return ImprovementRecord(
-            self._moves, len(best.history), self._start, best.cost, tuple(best.history), kinds
+            self._moves, len(history), cost * self._start, cost * best.cost, history, kinds
         )
 
     def _take_up(self) -> None:
@@ -247,7 +253,7 @@ class _Search:
             return None
         if asks_for_more(problem):
             lines = restore(problem, lines, progress=_unheard, stop=self._stopped)
-            if not self._certificate(lines).holds:
+            if not self._holds(lines):
                 return None
         short = self._trials.shortly(lines, self._best.cost)
         if short is None:
@@ -260,12 +266,14 @@ class _Search:
         cost = self._trials.cost(full.world_lines)
         if cost >= (1.0 - WORTHWHILE) * self._best.cost:
             return None
-        if not self._certificate(full.world_lines).holds:
+        if not self._holds(full.world_lines):
             return None
         return _Best(full.world_lines, cost, full, [*self._best.history])
 
-    def _certificate(self, lines: WorldLines) -> Certificate:
-        return certify(self._problem.scene, self._problem.free_space, lines)
+    def _holds(self, lines: WorldLines) -> bool:
+        """Whether the user's lines hold their certificate."""
+        written = self._problem.written
+        return certify(written.scene, written.free_space, written.outside(lines)).holds
 
 
 def _least_costs(problem: PlanningProblem, ways: list[FloatArray | None]) -> FloatArray:

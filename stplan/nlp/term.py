@@ -85,6 +85,11 @@ class Term(Protocol):
         del knots
         return np.inf
 
+    def unbounded_weight(self, knots: FloatArray) -> float:
+        """Summed weight of the logarithms of lengths at `knots`: they alone depend on the unit of length."""
+        del knots
+        return 0.0
+
     def least_slack(self, knots: FloatArray) -> float:
         """Smallest part that a barrier feels of what a limit leaves, in [0, 1]; inf where there is none."""
         del knots

@@ -22,7 +22,7 @@ from stplan.nlp.step_control import StepControl, Stopwatch
 from stplan.nlp.term import Term
 from stplan.optimize.assembly import assemble, formulate, sharpness_of
 from stplan.optimize.constraints import build_constraints
-from stplan.optimize.cost_scales import CostScales
+from stplan.optimize.cost_scales import CostScales, written_costs
 from stplan.optimize.free_ends import into_place
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
@@ -56,7 +56,7 @@ class OuterIteration:
 
     Attributes:
         number: from 1.
-        mu: barrier weight.
+        mu: barrier weight, in the user's units as the objective.
         iterations: of the solver, over all its runs.
         rebuilds: how often it was rebuilt for a new sparsity structure.
         objective: at the end, at this mu.
@@ -92,8 +92,9 @@ class Optimisation:
     Attributes:
         status: how the last outer iteration ended that did not fail; failed where all did.
         outer_iterations: one an outer iteration; none where the seed touches something.
-        costs: every term at the optimised curves and the last mu, by its name; those that are defined there.
-        seed_costs: every term at the seed and the first mu.
+        costs: every term at the optimised curves and the last mu, by its name, in the user's units; those
+            that are defined there.
+        seed_costs: every term at the seed and the first mu, alike.
         scales, seed_scales: what these costs were weighed with.
         watch: seconds, for the run record only.
         iterations: of the solver in all.
@@ -226,6 +227,7 @@ class _Loop:
         self._seed_costs: dict[str, float] = {}
         self._seed_scales = CostScales(formulation, formulation.scales.mu, {})
         self._iterations = self._nonzeros = 0
+        self._mu = formulation.scales.mu
         self._terms: Sequence[Term] = ()
         # What the regularity term costs at its best: no part of the objective worth converging.
         self._floor = float((formulation.scales.regularity * formulation.layout.num_segments).sum())
@@ -240,7 +242,7 @@ class _Loop:
                 break
             done = self._done[-1]
             self._progress(
-                f"{self._line(outer, mu, done.objective, done.clearance, done.iterations)}"
+                f"{self._line(outer, done.mu, done.objective, done.clearance, done.iterations)}"
                 f"  {done.status}"
             )
             # Where nothing moves any more, curves are too near their limits: the last mu's are the result.
@@ -269,7 +271,7 @@ class _Loop:
             if before is None:
                 before = control.value(self._knots.ravel())
             if not self._seed_costs:
-                self._seed_costs = _costs(control.terms, self._knots)
+                self._seed_costs = self._costs(control.terms)
                 self._seed_scales = CostScales(self._formulation, mu, sharpness_of(control.terms))
                 self._terms = control.terms
             if not np.isfinite(before):
@@ -294,10 +296,12 @@ class _Loop:
             rebuilds += 1
         self._iterations += used
         self._terms = control.terms
-        after = control.value(self._knots.ravel())
+        self._mu = mu
+        after, frame = control.value(self._knots.ravel()), self._formulation.problem.frame
         self._done.append(
             OuterIteration(
-                outer + 1, mu, used, rebuilds, after, control.least_clearance(self._knots),
+                outer + 1, frame.cost * mu, used, rebuilds, sum(self._costs(control.terms).values()),
+                frame.length * control.least_clearance(self._knots),
                 _judge(stop, solution, moved=before != after),
             )
         )  # fmt: skip
@@ -314,6 +318,7 @@ class _Loop:
         self, stop: _Stop, control: StepControl, outer: int, mu: float, used: int
     ) -> Callable[[Iteration], bool]:
         """`stop`, telling the observer and the live line about every iteration."""
+        frame = self._formulation.problem.frame
 
         def watched(iteration: Iteration) -> bool:
             if self._observe is not None:
@@ -322,13 +327,19 @@ class _Loop:
             if self._live is not None:
                 self._live(
                     lambda: self._line(
-                        outer, mu, iteration.objective, control.least_clearance(iteration.knots),
+                        outer, frame.cost * mu, frame.cost * iteration.objective,
+                        frame.length * control.least_clearance(iteration.knots),
                         used + iteration.number,
                     )
                 )  # fmt: skip
             return over
 
         return watched
+
+    def _costs(self, terms: Sequence[Term]) -> dict[str, float]:
+        """What every term costs, without those that are undefined."""
+        costs = written_costs(terms, self._knots, self._formulation.problem.frame)
+        return {name: cost for name, cost in costs.items() if np.isfinite(cost)}
 
     def _result(self) -> Optimisation:
         """What was reached, with the cost of every term at the last mu."""
@@ -337,9 +348,9 @@ class _Loop:
             world_lines=self._seed.with_knots(into_place(self._constraints, self._knots)),
             status=sound[-1] if sound else Status.FAILED,
             outer_iterations=tuple(self._done),
-            costs=_costs(self._terms, self._knots),
+            costs=self._costs(self._terms),
             seed_costs=self._seed_costs,
-            scales=CostScales(self._formulation, self._done[-1].mu, self._sharpness)
+            scales=CostScales(self._formulation, self._mu, self._sharpness)
             if self._done
             else self._seed_scales,
             seed_scales=self._seed_scales,
@@ -347,12 +358,6 @@ class _Loop:
             iterations=self._iterations,
             nonzeros=self._nonzeros,
         )
-
-
-def _costs(terms: Sequence[Term], knots: FloatArray) -> dict[str, float]:
-    """What every term costs at `knots`, without those that are undefined there."""
-    costs = {term.name: term.value(knots) for term in terms}
-    return {name: cost for name, cost in costs.items() if np.isfinite(cost)}
 
 
 def _judge(stop: _Stop, solution: Solution, moved: bool) -> Status:

@@ -1,5 +1,6 @@
 """The prepared problem: what a scene asks, as arrays over its agents, made once and handed to every stage.
 
+A problem that is planned (`prepare_local`) is in local units, one that is looked at in those of its scene.
 Seeders, the optimiser, explanations and pictures all read the same arrays; nothing here changes while a
 scene is planned. Arrays are over the A agents in scene order.
 """
@@ -15,6 +16,8 @@ import numpy as np
 from stplan.arrays import BoolArray, FloatArray
 from stplan.geometry.boundary_grid import BoundaryGrid
 from stplan.memory import require_memory
+from stplan.problem.planning_frame import PlanningFrame
+from stplan.problem.written_scene import WrittenScene
 from stplan.scene.interactions import Interactions, Meeting, scene_interactions, scene_meetings
 from stplan.scene.model import Scene
 from stplan.scene.presence import present_until
@@ -33,6 +36,7 @@ class PlanningProblem:
     Attributes:
         scene: what all of this was made from.
         free_space: the map, None in the open plane.
+        written: the scene and its map as the user wrote them, and the frame that the others are in.
         agent_ids: for messages.
         starts, goals: (A, 2) in m.
         start_times, max_times: (A,) in s.
@@ -50,6 +54,7 @@ class PlanningProblem:
 
     scene: Scene
     free_space: FreeSpace | None
+    written: WrittenScene
     agent_ids: tuple[str, ...]
     starts: FloatArray
     goals: FloatArray
@@ -67,8 +72,10 @@ class PlanningProblem:
     paths: tuple[FloatArray | None, ...]
 
     @staticmethod
-    def from_scene(scene: Scene, free_space: FreeSpace | None) -> PlanningProblem:
-        """The problem of `scene` in `free_space` (None is the open plane)."""
+    def from_scene(
+        scene: Scene, free_space: FreeSpace | None, written: WrittenScene | None = None
+    ) -> PlanningProblem:
+        """The problem of `scene` in `free_space` (None is the open plane), both as they are `written`."""
         agents = scene.agents
         preferred = [
             agent.max_time
@@ -80,6 +87,7 @@ class PlanningProblem:
         return PlanningProblem(
             scene=scene,
             free_space=free_space,
+            written=WrittenScene(scene, free_space) if written is None else written,
             agent_ids=tuple(agent.id for agent in agents),
             starts=np.array([agent.start for agent in agents], dtype=np.float64),
             goals=np.array([agent.goal for agent in agents], dtype=np.float64),
@@ -103,6 +111,16 @@ class PlanningProblem:
                 for agent in agents
             ),
         )
+
+    @property
+    def frame(self) -> PlanningFrame:
+        """The frame of all places and times, and its units."""
+        return self.written.frame
+
+    @cached_property
+    def as_written(self) -> PlanningProblem:
+        """The same in the coordinates and units of the user: to be looked at, not to be planned."""
+        return PlanningProblem.from_scene(self.written.scene, self.written.free_space)
 
     @property
     def num_agents(self) -> int:
@@ -162,16 +180,27 @@ class PlanningProblem:
 
 
 def prepare(scene: Scene) -> PlanningProblem:
-    """The problem of `scene`.
+    """The problem of `scene` as it is written: to be looked at.
 
     Raises:
         SceneError: the scene does not fit into memory, or its agents do not fit their map.
     """
+    return PlanningProblem.from_scene(scene, _fitted(scene))
+
+
+def prepare_local(scene: Scene) -> PlanningProblem:
+    """The problem of `scene` in the frame that suits it: to be planned. Raises like `prepare`."""
+    written = WrittenScene.framed(scene, _fitted(scene))
+    return PlanningProblem.from_scene(written.local_scene, written.local_space, written)
+
+
+def _fitted(scene: Scene) -> FreeSpace | None:
+    """The free space, into which the agents fit; None in the open plane."""
     planned = scene.solver.knots or LEAST_AUTO_KNOTS
     knots = sum(planned if agent.path is None else len(agent.path) for agent in scene.agents)
     require_memory(scene.name, len(scene.agents), knots)
     if scene.map is None:
-        return PlanningProblem.from_scene(scene, None)
+        return None
     from stplan.world.placement import fitted_free_space
 
-    return PlanningProblem.from_scene(scene, fitted_free_space(scene))
+    return fitted_free_space(scene)

@@ -76,7 +76,8 @@ def with_goals(problem: PlanningProblem, goals: dict[int, tuple[float, float]]) 
         for a, agent in enumerate(problem.scene.agents)
     )
     scene = replace(problem.scene, agents=agents)
-    return PlanningProblem.from_scene(scene, problem.free_space)
+    written = problem.written.with_local_goals(goals)
+    return PlanningProblem.from_scene(scene, problem.free_space, written)
 
 
 def _least_length(lengths: FloatArray) -> IntArray:

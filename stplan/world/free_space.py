@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -53,9 +53,13 @@ class FreeSpace:
         polygon: shapely.Geometry,
         triangles: FloatArray | None = None,
         slits: Sequence[FloatArray] = (),
+        straight: float = 0.0,
     ) -> FreeSpace:
-        """The free space of a polygon; exactly collinear corners are dropped, order is canonical."""
-        area = shapely.normalize(shapely.simplify(polygon, 0.0, preserve_topology=True))
+        """The free space of a polygon; collinear corners are dropped, order is canonical.
+
+        Corners are collinear that lie at most `straight` (m) off the line through their neighbours.
+        """
+        area = shapely.normalize(shapely.simplify(polygon, straight, preserve_topology=True))
         parts = shapely.get_parts(area)
         rings = shapely.get_rings(parts[shapely.area(parts) > 0])
         corners, owner = shapely.get_coordinates(rings, return_index=True)
@@ -72,6 +76,21 @@ class FreeSpace:
         """The part of it inside `region`, a polygon."""
         slits = pieces(shapely.intersection(polylines(self.slits), region))
         return FreeSpace.from_polygon(shapely.intersection(self.area, region), None, slits)
+
+    def moved(self, move: Callable[[FloatArray], FloatArray], straight: float = 0.0) -> FreeSpace:
+        """The free space with all points (N, 2) where `move` takes them, without mirroring.
+
+        Corners that come to lie at most `straight` (m) off the line through their neighbours are dropped.
+        """
+        area = shapely.transform(self.area, move)
+        if not shapely.is_valid(area):
+            # What touched itself may cross itself by a rounding now.
+            area = shapely.buffer(area, 0.0)
+        triangles = self.triangles
+        if triangles is not None:
+            triangles = move(triangles.reshape(-1, 2)).reshape(triangles.shape)
+        slits = [move(slit) for slit in self.slits]
+        return FreeSpace.from_polygon(area, triangles, slits, straight)
 
     @cached_property
     def boundary_segments(self) -> FloatArray:

@@ -31,7 +31,7 @@ def raw_seed(name: str) -> WorldLines:
     """The initial curves of a shipped scene as search finds them, before any shortcut."""
     as_found = ("seeding.shortcuts=false", "solver.effort=quick", "solver.starts=1")
     scene = load_scene(SCENES / f"{name}.yaml", overrides=as_found)
-    return find_initial_curves(prepare(scene))[0].seed.world_lines
+    return find_initial_curves(prepare(scene))[0].world_lines
 
 
 def curves(name: str, *overrides: str) -> dict[str, np.ndarray]:

@@ -66,9 +66,9 @@ def test_a_plan_never_gets_dearer_and_holds_its_certificate(name, request):
     assert not result.interrupted
 
 
-def test_a_dear_class_is_left(circle):
+def test_a_dear_class_is_left():
     """From a plan in which agents wait for each other, some move leads to a cheaper class."""
-    scene = circle.scene
+    scene = quick(wide.circle(8, 3.0, 20.0, radius=0.4))
     dear = plan(replace(scene, seeding=replace(scene.seeding, method="search")))
     cost = float(own_costs(scene, dear.trajectories).sum())
     result = improved(dear, 25)

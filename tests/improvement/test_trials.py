@@ -11,7 +11,8 @@ from stplan.bench import families_tight as tight
 from stplan.certify.certificate import certify
 from stplan.improvement.trials import SHORT_ITERATIONS, Trials
 from stplan.optimize.continuation import optimise
-from stplan.planner import find_initial_curves, prepare
+from stplan.planner import find_initial_curves
+from stplan.problem.planning_problem import prepare
 
 
 @pytest.fixture(scope="module")

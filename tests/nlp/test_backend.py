@@ -13,7 +13,8 @@ from stplan.certify.certificate import certify
 from stplan.errors import SolverError
 from stplan.nlp.backend import Backend
 from stplan.optimize.continuation import Optimisation, optimise
-from stplan.planner import find_initial_curves, prepare
+from stplan.planner import find_initial_curves
+from stplan.problem.planning_problem import prepare
 from stplan.scene import load_scene, parse_scene
 from stplan.scene.model import Scene
 from stplan.status import Status
@@ -50,8 +51,10 @@ def solved(
         problem, seed, progress=lambda line: None, stop=lambda: False,
         observe=lambda knots, terms: iterates.append(knots.copy()), backend=backend,
     )  # fmt: skip
+    written = problem.written
     for knots in iterates:
-        assert certify(scene, problem.free_space, seed.with_knots(knots)).holds
+        lines = written.outside(seed.with_knots(knots))
+        assert certify(scene, written.free_space, lines).holds
     return found, iterates
 
 

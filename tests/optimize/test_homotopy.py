@@ -8,7 +8,7 @@ import pytest
 from stplan.costs.terms.collision import Collision
 from stplan.costs.terms.wall import Wall
 from stplan.optimize.continuation import optimise
-from stplan.planner import prepare
+from stplan.problem.planning_problem import prepare
 from stplan.problem.world_lines import WorldLines
 from stplan.scene import parse_scene
 

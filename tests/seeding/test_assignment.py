@@ -28,7 +28,7 @@ LEAVING = "{id: p, count: 16, start: {place: hall}, goal: {any: [north, south]},
 def goals(*agents: str) -> np.ndarray:
     """Where planning leads those of such a scene."""
     text = ROOM + "agents:\n" + "".join(f"  - {agent}\n" for agent in agents)
-    return np.array([agent.goal for agent in prepare(parse_scene(text)).scene.agents])
+    return np.array([agent.goal for agent in prepare(parse_scene(text)).written.scene.agents])
 
 
 def test_a_crowd_spreads_over_exits_and_over_their_width() -> None:
@@ -68,7 +68,7 @@ def test_points_are_assigned_by_length_of_ways() -> None:
         "stplan: 1\nhorizon: 60\nagents:\n  - {id: p, count: 40, radius: 0.01, "
         f"start: {{points: {starts.tolist()}}}, goal: {{assign: {ends.tolist()}}}}}\n"
     )
-    found = np.array([agent.goal for agent in prepare(parse_scene(text)).scene.agents])
+    found = np.array([agent.goal for agent in prepare(parse_scene(text)).written.scene.agents])
     lengths = np.hypot(*(starts[:, None] - ends[None]).transpose(2, 0, 1))
     least = lengths[linear_sum_assignment(lengths)].sum()
     assert np.hypot(*(found - starts).T).sum() <= 1.005 * least

@@ -110,6 +110,10 @@ class ContactTerm(Term):
         """Smallest clearance that is felt, m; inf where none is."""
         return self._at(knots)[1].coefficients.least
 
+    def unbounded_weight(self, knots: FloatArray) -> float:
+        """Summed weight of logarithms without a range."""
+        return self._at(knots)[1].coefficients.unbounded
+
     def gradient(self, knots: FloatArray) -> FloatArray:
         """(M, 3)."""
         term, at = self._at(knots)

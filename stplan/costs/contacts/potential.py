@@ -38,6 +38,8 @@ class Coefficients:
         curvature: (C,) factor of g_k g_k^T in the exact Hessian.
         majorizer: (C,) factor of g_k g_k^T in the positive semidefinite stand-in.
         coupling: (G,) factor of grad d grad d^T in the exact Hessian, 0 for contacts.
+        unbounded: summed weight of logarithms without a range: in a unit of length L times as large the
+            value is greater by this times log L.
     """
 
     value: float
@@ -46,6 +48,7 @@ class Coefficients:
     curvature: FloatArray
     majorizer: FloatArray
     coupling: FloatArray
+    unbounded: float = 0.0
 
 
 class Potential(Protocol):
@@ -81,12 +84,14 @@ class ContactBarriers:
             weight = (
                 weight * self.shares[contacts.points[:, 1]] * self.shares[contacts.points[:, 3]]
             )
+        reach = self.reach[keys][members]
         slope = np.zeros(len(distance))
         curvature = np.zeros(len(distance))
         value, least = _contact_barriers(
-            distance, self.radius[keys][members], weight, self.reach[keys][members], slope, curvature,
-        )  # fmt: skip
-        return Coefficients(value, least, slope, curvature, curvature, np.zeros(0))
+            distance, self.radius[keys][members], weight, reach, slope, curvature
+        )
+        unbounded = float(weight[np.isinf(reach)].sum())
+        return Coefficients(value, least, slope, curvature, curvature, np.zeros(0), unbounded)
 
 
 @dataclass(frozen=True)
@@ -117,7 +122,9 @@ class SmoothMinimumBarriers:
             distance, contacts.starts, self.sharpness[keys], self.radius[keys], self.weight[keys],
             self.reach[keys], self.cutoff, slope, curvature, majorizer, coupling,
         )  # fmt: skip
-        return Coefficients(value, least, slope, curvature, majorizer, coupling)
+        felt = (np.diff(contacts.starts) > 0) & np.isinf(self.reach[keys])
+        unbounded = float(self.weight[keys][felt].sum())
+        return Coefficients(value, least, slope, curvature, majorizer, coupling, unbounded)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,276 @@
+"""A scene as its user wrote it, and the way between it and the local frame it is planned in.
+
+What a plan costs is measured in J s. With lengths in L, times in T and masses in M a kinetic cost is
+S = M L^2 / T times its local value, and a local problem is the same one where every other cost scales alike:
+weights of costs without a unit (acceleration, regularity, barriers) are divided by S, those of squared
+seconds (arrival) by S / T^2, those of squared metres (grouping) by S / L^2, and c by L / T.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stplan.arrays import FloatArray, Point
+from stplan.problem.planning_frame import PlanningFrame, share
+from stplan.problem.world_lines import WorldLines
+from stplan.reasons import Reason
+from stplan.scene.model import (
+    Agent,
+    Meet,
+    PairRule,
+    Scene,
+    SolverSettings,
+    Visit,
+    Weights,
+)
+from stplan.scene.places import Place
+
+if TYPE_CHECKING:
+    from stplan.world.free_space import FreeSpace
+
+# Knots this near to a fixed point, arrivals this near to the latest one, are there; local units.
+SAME = 1e-9
+
+# Significant digits of a figure that went into the frame and back.
+FIGURE_DIGITS = 12
+
+Window = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class WrittenScene:
+    """What the user wrote; its curves are what is certified and written.
+
+    Attributes:
+        free_space: None in the open plane.
+        frame: what the scene is planned in.
+    """
+
+    scene: Scene
+    free_space: FreeSpace | None
+    frame: PlanningFrame = field(default_factory=PlanningFrame)
+
+    @staticmethod
+    def framed(scene: Scene, free_space: FreeSpace | None) -> WrittenScene:
+        """The scene with the frame that suits it."""
+        return WrittenScene(scene, free_space, PlanningFrame.of_scene(scene, free_space))
+
+    @property
+    def local_space(self) -> FreeSpace | None:
+        """The free space in the frame."""
+        return None if self.free_space is None else self.frame.local_space(self.free_space)
+
+    @property
+    def local_scene(self) -> Scene:
+        """The scene in the frame."""
+        scene, frame = self.scene, self.frame
+        horizon = float(frame.local_times(np.array([scene.horizon]))[0])
+        spec = scene.map
+        if spec is not None and spec.resolution is not None:
+            spec = replace(spec, resolution=share(spec.resolution, frame.length))
+        return replace(
+            scene,
+            map=spec,
+            horizon=horizon,
+            time_scale=share(scene.time_scale, frame.speed),
+            agents=tuple(_local_agent(agent, frame) for agent in scene.agents),
+            pairs=tuple(_local_rule(rule, frame) for rule in scene.pairs),
+            solver=_local_solver(scene.solver, frame),
+            places=_local_places(scene.places, frame),
+            assignments=tuple(
+                replace(one, points=_local_points(one.points, frame)) for one in scene.assignments
+            ),
+        )
+
+    def with_local_goals(self, goals: Mapping[int, Point]) -> WrittenScene:
+        """The scene with other goals of some agents, given in the frame."""
+        chosen = {}
+        points = {a: one.points for one in self.scene.assignments for a in one.members}
+        for a, goal in goals.items():
+            among = points.get(a, (self.scene.agents[a].goal,))
+            local = _local_points(among, self.frame)
+            if goal in local:
+                chosen[a] = among[local.index(goal)]
+            else:
+                ((x, y),) = self.frame.points(np.array([goal])).tolist()
+                chosen[a] = (x, y)
+        agents = tuple(
+            replace(agent, goal=chosen.get(a, agent.goal))
+            for a, agent in enumerate(self.scene.agents)
+        )
+        return replace(self, scene=replace(self.scene, agents=agents))
+
+    def outside(self, lines: WorldLines) -> WorldLines:
+        """Local `lines`, in scene order, as the user's; what is met in the frame is met to the last bit."""
+        frame = self.frame
+        curves = []
+        for agent, local in zip(self.scene.agents, lines.curves(), strict=True):
+            curve = np.column_stack([frame.points(local[:, :2]), frame.times(local[:, 2])])
+            if agent.path is None:
+                _meet(curve, local, agent, _local_agent(agent, frame))
+            else:
+                _follow(curve, local[:, 2], np.array(agent.path), frame)
+            curves.append(curve)
+        return WorldLines.from_curves(lines.agent_ids, curves)
+
+    def outside_reason(self, reason: Reason) -> Reason:
+        """A `reason` of the local problem with its place, times and figures as the user's."""
+        frame, place, times = self.frame, reason.place, reason.times
+        figures = {name: _figure(name, value, frame) for name, value in reason.figures.items()}
+        if place is not None:
+            ((x, y),) = frame.points(np.array([place])).tolist()
+            place = (x, y)
+        if times is not None:
+            first, last = frame.times(np.array(times)).tolist()
+            times = (first, last)
+        return replace(reason, place=place, times=times, figures=figures)
+
+    def inside(self, lines: WorldLines) -> WorldLines:
+        """The user's `lines`, in scene order, in the frame."""
+        frame = self.frame
+        curves = []
+        for agent, given in zip(self.scene.agents, lines.curves(), strict=True):
+            curve = np.column_stack(
+                [frame.local_points(given[:, :2]), frame.local_times(given[:, 2])]
+            )
+            local = _local_agent(agent, frame)
+            if agent.path is None:
+                curve[0] = *local.start, local.start_time
+                if tuple(given[-1, :2]) == agent.goal:
+                    curve[-1, :2] = local.goal
+                for point, own in zip(agent.waypoints, local.waypoints, strict=True):
+                    off = np.abs(given[:, :2] - point).max(axis=1)
+                    curve[off <= SAME * frame.length, :2] = own
+                curve[-1, 2] = min(curve[-1, 2], local.max_time)
+            curves.append(curve)
+        return WorldLines.from_curves(lines.agent_ids, curves)
+
+
+def _figure(name: str, value: float, frame: PlanningFrame) -> float:
+    """A figure of a reason as the user's, to so many digits that a number shows as it was written."""
+    unit = {
+        **dict.fromkeys(("distance", "required", "widest", "radius", "length"), frame.length),
+        "speed": frame.speed,
+        "acceleration": frame.acceleration,
+    }
+    if name in ("earliest", "latest"):
+        value = float(frame.times(np.array([value]))[0])
+    elif name in unit:
+        value *= unit[name]
+    else:
+        return value
+    return float(f"{value:.{FIGURE_DIGITS}g}")
+
+
+def _meet(curve: FloatArray, local: FloatArray, agent: Agent, own: Agent) -> None:
+    """Put a curve (n, 3) where `local` (n, 3) meets what the agent's `own` points and times are there."""
+    given = (agent.start, *agent.waypoints, agent.goal)
+    for point, place in zip(given, (own.start, *own.waypoints, own.goal), strict=True):
+        curve[np.abs(local[:, :2] - place).max(axis=1) <= SAME, :2] = point
+    for knot, time, met in (
+        (0, agent.start_time, own.start_time),
+        (-1, agent.max_time, own.max_time),
+    ):
+        if abs(local[knot, 2] - met) <= SAME:
+            curve[knot, 2] = time
+
+
+def _follow(curve: FloatArray, times: FloatArray, path: FloatArray, frame: PlanningFrame) -> None:
+    """Put a curve (n, 3), which has local `times` (n,), on its prescribed `path` (p, 3)."""
+    own = frame.local_times(path[:, 2])
+    nearest = np.clip(np.searchsorted(0.5 * (own[1:] + own[:-1]), times), 0, len(own) - 1)
+    on_knot = np.abs(own[nearest] - times) <= SAME
+    for axis in range(2):
+        curve[:, axis] = np.interp(curve[:, 2], path[:, 2], path[:, axis])
+    curve[on_knot] = path[nearest[on_knot]]
+
+
+def _local_times(frame: PlanningFrame, time: float) -> float:
+    return float(frame.local_times(np.array([time]))[0])
+
+
+def _local_points(points: Sequence[Point], frame: PlanningFrame) -> tuple[Point, ...]:
+    given = np.array(points, dtype=np.float64).reshape(-1, 2)
+    return tuple((float(x), float(y)) for x, y in frame.local_points(given))
+
+
+def _local_places(places: Sequence[Place], frame: PlanningFrame) -> tuple[Place, ...]:
+    return tuple(replace(place, points=_local_points(place.points, frame)) for place in places)
+
+
+def _local_window(window: Window | None, frame: PlanningFrame) -> Window | None:
+    if window is None:
+        return None
+    return _local_times(frame, window[0]), _local_times(frame, window[1])
+
+
+def _local_agent(agent: Agent, frame: PlanningFrame) -> Agent:
+    start, goal = _local_points((agent.start, agent.goal), frame)
+    path = agent.path
+    if path is not None:
+        given = np.array(path)
+        places, times = frame.local_points(given[:, :2]), frame.local_times(given[:, 2])
+        path = tuple(
+            (float(x), float(y), float(t)) for (x, y), t in zip(places, times, strict=True)
+        )
+    wished = agent.preferred_time
+    return replace(
+        agent,
+        start=start,
+        goal=goal,
+        start_time=_local_times(frame, agent.start_time),
+        max_time=_local_times(frame, agent.max_time),
+        preferred_time=None if wished is None else _local_times(frame, wished),
+        radius=share(agent.radius, frame.length),
+        mass=share(agent.mass, frame.mass),
+        waypoints=_local_points(agent.waypoints, frame),
+        weights=_local_weights(agent.weights, frame),
+        path=path,
+        max_speed=_optional(agent.max_speed, frame.speed),
+        max_acceleration=_optional(agent.max_acceleration, frame.acceleration),
+        visits=tuple(
+            Visit(_local_window(visit.window, frame), share(visit.dwell, frame.time))
+            for visit in agent.visits
+        ),
+        clearance=share(agent.clearance, frame.length),
+        goal_places=_local_places(agent.goal_places, frame),
+    )
+
+
+def _local_weights(weights: Weights, frame: PlanningFrame) -> Weights:
+    return replace(
+        weights,
+        acceleration=share(weights.acceleration, frame.cost),
+        arrival=share(weights.arrival, frame.cost / frame.time**2),
+        regularity=_optional(weights.regularity, frame.cost),
+    )
+
+
+def _local_rule(rule: PairRule, frame: PlanningFrame) -> PairRule:
+    meet = rule.meet
+    if meet is not None:
+        meet = Meet(share(meet.within, frame.length), _local_window(meet.window, frame))
+    return replace(
+        rule,
+        distance=_optional(rule.distance, frame.length),
+        clearance=_optional(rule.clearance, frame.length),
+        grouping=_optional(rule.grouping, frame.cost / frame.length**2),
+        meet=meet,
+    )
+
+
+def _local_solver(solver: SolverSettings, frame: PlanningFrame) -> SolverSettings:
+    return replace(
+        solver,
+        mu=_optional(solver.mu, frame.cost),
+        alpha=share(solver.alpha, 1.0 / frame.length),
+        barrier_range=_optional(solver.barrier_range, frame.length),
+    )
+
+
+def _optional(value: float | None, unit: float) -> float | None:
+    return None if value is None else share(value, unit)
