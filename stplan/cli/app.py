@@ -8,7 +8,17 @@ from typing import Annotated
 
 import typer
 
-from stplan.cli import batch, bench, checking, importing, improving, planning, scenes, viewing
+from stplan.cli import (
+    batch,
+    bench,
+    checking,
+    exporting,
+    importing,
+    improving,
+    planning,
+    scenes,
+    viewing,
+)
 from stplan.cli.command import group
 from stplan.cli.console import write
 from stplan.cli.signals import interrupt_on_terminate
@@ -48,7 +58,8 @@ Units are metres, seconds and kilograms. The keys of a scene are in docs/scene-f
 
 # In the order in which help lists them.
 GROUPS = (
-    planning.app, improving.app, checking.app, scenes.app, importing.app, viewing.app, batch.app, bench.app
+    planning.app, improving.app, checking.app, scenes.app, importing.app, viewing.app, exporting.app,
+    batch.app, bench.app,
 )  # fmt: skip
 
 app = group(

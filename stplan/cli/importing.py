@@ -15,7 +15,7 @@ from stplan.cli.console import Console, write
 from stplan.errors import UsageError
 
 if TYPE_CHECKING:
-    from stplan.imports.draft import Draft
+    from stplan.imports.draft import SceneDraft
     from stplan.maps.formats.drawing import FileOptions
 
 app = group()
@@ -186,7 +186,7 @@ def new(
     return _finish(console, draft, [], output)
 
 
-def _finish(console: Console, draft: Draft, notes: Sequence[str], output: Path | None) -> int:
+def _finish(console: Console, draft: SceneDraft, notes: Sequence[str], output: Path | None) -> int:
     for note in notes:
         console.progress(f"note: {note}")
     text = draft.text()

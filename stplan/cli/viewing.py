@@ -1,4 +1,4 @@
-"""The commands that show runs: plot, animate, view and export."""
+"""The commands that show runs: plot, animate and view."""
 
 from __future__ import annotations
 
@@ -29,8 +29,6 @@ SceneOfRun = Annotated[
     Path | None,
     typer.Option("--scene", metavar="SCENE", help="The scene, where the run's own is lost."),
 ]
-
-_EXPORTS = {"glb": "rods.glb", "jupedsim": "jupedsim.txt"}
 
 
 @command(app)
@@ -65,14 +63,14 @@ def plot(
     unknown = [part for part in parts if part not in PARTS]
     if unknown:
         raise UsageError(f"--show: {unknown[0]!r} is none of {', '.join(PARTS)}")
-    _check_positive("--dpi", dpi, most=1200)
-    target = output or _beside(run, "plot.png")
+    check_positive("--dpi", dpi, most=1200)
+    target = output or beside(run, "plot.png")
     kind = _kind(target, FORMATS)
-    (view,) = _open(console, [run], scene)
+    (view,) = open_views(console, [run], scene)
     if seed and view.seed is None:
         console.progress(f"note: {run} holds no initial curves to draw behind its trajectories")
     content = figure_bytes(view, kind, parts=tuple(parts), seed=seed, dpi=dpi)
-    return _written(console, target, content)
+    return written(console, target, content)
 
 
 @command(app)
@@ -111,15 +109,15 @@ def animate(
     require("matplotlib", "stplan animate")
     from stplan.viewing.movie import FORMATS, movie_bytes
 
-    _check_positive("--fps", fps)
+    check_positive("--fps", fps)
     if speed is not None:
-        _check_positive("--speed", speed)
+        check_positive("--speed", speed)
     pixels = _size(size)
-    target = output or _beside(runs[0], "movie.mp4")
+    target = output or beside(runs[0], "movie.mp4")
     kind = _kind(target, FORMATS)
     if kind == "mp4":
         require("imageio_ffmpeg", "an MP4 movie")
-    views = _open(console, runs, scene)
+    views = open_views(console, runs, scene)
     titles = [view.title for view in views]
     if len(set(titles)) < len(titles):
         titles = [str(run) for run in runs]
@@ -128,7 +126,7 @@ def animate(
             views, titles, kind, fps=fps, speed=speed, size=pixels,
             progress=lambda line: live(lambda: line) if live else None,
         )  # fmt: skip
-    return _written(console, target, content)
+    return written(console, target, content)
 
 
 @command(app)
@@ -150,55 +148,14 @@ def view(
     """
     from stplan.viewing.page import page_bytes
 
-    target = output or _beside(run, "view.html")
+    target = output or beside(run, "view.html")
     _kind(target, ("html",))
-    (view,) = _open(console, [run], scene)
-    return _written(console, target, page_bytes(view))
+    (view,) = open_views(console, [run], scene)
+    return written(console, target, page_bytes(view))
 
 
-@command(app)
-def export(
-    console: Console,
-    run: RunPath,
-    *,
-    form: Annotated[
-        str, typer.Option("--format", metavar="FORMAT", help="glb or jupedsim.")
-    ] = "glb",
-    output: Picture = None,
-    fps: Annotated[float, typer.Option(help="Frames a second in trajectory text.")] = 25.0,
-    pace: Annotated[
-        float | None,
-        typer.Option(help="Height of a second in a GLB, m.  [default: the scene's time_scale]"),
-    ] = None,
-    scene: SceneOfRun = None,
-) -> int:
-    """Write a run for other programs.
-
-    glb: rods and walls for Blender and other 3D programs. jupedsim: trajectory text for PedPy and
-    JuPedSim. RUN/rods.glb or RUN/jupedsim.txt unless told.
-
-    \b
-    Examples:
-      stplan export outputs/bottleneck
-      stplan export outputs/bottleneck --format jupedsim --fps 10 -o bottleneck.txt
-    """
-    if form not in _EXPORTS:
-        raise UsageError(f"--format: {form!r} is none of {', '.join(_EXPORTS)}")
-    _check_positive("--fps", fps)
-    if pace is not None:
-        _check_positive("--pace", pace)
-    target = output or _beside(run, _EXPORTS[form])
-    (view,) = _open(console, [run], scene)
-    if form == "glb":
-        from stplan.viewing.glb_file import glb_bytes
-
-        return _written(console, target, glb_bytes(view, pace))
-    from stplan.viewing.jupedsim_file import jupedsim_bytes
-
-    return _written(console, target, jupedsim_bytes(view, fps))
-
-
-def _open(console: Console, runs: Sequence[Path], scene: Path | None) -> list[RunView]:
+def open_views(console: Console, runs: Sequence[Path], scene: Path | None) -> list[RunView]:
+    """Runs as they are shown; what is missing of them is said."""
     from stplan.viewing.run_view import open_run
 
     views = [open_run(run, scene) for run in runs]
@@ -207,7 +164,7 @@ def _open(console: Console, runs: Sequence[Path], scene: Path | None) -> list[Ru
     return views
 
 
-def _beside(run: Path, name: str) -> Path:
+def beside(run: Path, name: str) -> Path:
     """Where a file goes unless told: into the run's folder; of initial curves by their name."""
     if run.is_dir():
         return run / name
@@ -221,7 +178,8 @@ def _kind(target: Path, known: Sequence[str]) -> str:
     return kind
 
 
-def _check_positive(option: str, value: float, most: float = math.inf) -> None:
+def check_positive(option: str, value: float, most: float = math.inf) -> None:
+    """Raise UsageError where the value of an option is not above 0, or above `most`."""
     if not (math.isfinite(value) and 0 < value <= most):
         limit = f", at most {most:g}" if math.isfinite(most) else ""
         raise UsageError(f"{option} is {value}; expected a number above 0{limit}")
@@ -237,7 +195,8 @@ def _size(text: str) -> tuple[int, int | None]:
     return int(width), int(height) if height else None
 
 
-def _written(console: Console, target: Path, content: bytes) -> int:
+def written(console: Console, target: Path, content: bytes) -> int:
+    """Write a file and say so; the exit status."""
     from stplan.files.atomic import write_atomically
 
     write_atomically(target, content)

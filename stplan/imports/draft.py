@@ -24,7 +24,7 @@ SCHEMA_LINE = "# yaml-language-server: $schema=stplan.schema.json"
 
 
 @dataclass(frozen=True)
-class Draft:
+class SceneDraft:
     """What a scene is to say.
 
     Attributes:

@@ -11,7 +11,7 @@ from typing import Any
 
 from stplan.analysis.paths import path_length
 from stplan.errors import UsageError
-from stplan.imports.draft import Draft, free_space_of, identifiers, scene_name
+from stplan.imports.draft import SceneDraft, free_space_of, identifiers, scene_name
 from stplan.imports.people import RADIUS, CrowdOptions, ReadFiles, people
 from stplan.maps.files import LARGEST_FILE, FileContent
 from stplan.maps.formats.base import located, open_file
@@ -39,7 +39,7 @@ LEAST_HORIZON = 10.0
 
 def draft_of_files(
     paths: Sequence[Path], options: FileOptions, crowd: CrowdOptions, folder: Path, comment: str
-) -> tuple[Draft, list[str]]:
+) -> tuple[SceneDraft, list[str]]:
     """A draft of the scene that files describe, and what its user should know.
 
     Args:
@@ -63,7 +63,7 @@ def draft_of_files(
     agents = people(read, free_space, crowd)
     if not agents:
         raise UsageError(f"{paths[0]}: carries no agents; --agents N places some at random")
-    draft = Draft(
+    draft = SceneDraft(
         scene_name(paths[0].name.partition(".")[0]),
         (comment,),
         tree,
@@ -168,8 +168,8 @@ def _map_keys(file: Path, options: FileOptions, folder: Path) -> dict[str, Any]:
 
 
 def _with_horizon(
-    draft: Draft, agents: list[DrawnAgent], grid: float | None, folder: Path
-) -> Draft:
+    draft: SceneDraft, agents: list[DrawnAgent], grid: float | None, folder: Path
+) -> SceneDraft:
     """The draft with time enough for everybody to go the way that each would go alone."""
     scene = parse_scene(replace(draft, horizon=LEAST_HORIZON).text(), directory=folder)
     problem = PlanningProblem.from_scene(scene, fitted_free_space(scene))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from stplan.imports.crowd import Placer, no_room
-from stplan.imports.draft import Draft, free_space_of
+from stplan.imports.draft import SceneDraft, free_space_of
 
 RADIUS = 0.3
 _Agents = tuple[Mapping[str, Any], ...]
@@ -105,7 +105,7 @@ def draft_of_template(
     agents: int | None,
     rng_seed: int,
     radius: float | None,
-) -> Draft:
+) -> SceneDraft:
     """A template's scene, its own agents or `agents` others at random places.
 
     Raises:
@@ -125,4 +125,4 @@ def draft_of_template(
             for k, one in enumerate(trips, 1)
         )
     comments = (*template.comments, comment, "Lengths in m, times in s; keys: docs/scene-format.md")
-    return Draft(name, comments, template.map, template.horizon, {"radius": size}, members)
+    return SceneDraft(name, comments, template.map, template.horizon, {"radius": size}, members)

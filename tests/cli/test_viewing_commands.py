@@ -60,7 +60,7 @@ def test_a_named_file_decides_the_format(hall, run):
         (["animate", "--size", "12x"], "--size is 12x; expected WIDTH or WIDTHxHEIGHT, 64 to 8192"),
         (["animate", "--size", "9000"], "--size is 9000; expected WIDTH or WIDTHxHEIGHT"),
         (["view", "-o", "x.pdf"], "x.pdf: expected a name ending in .html"),
-        (["export", "--format", "obj"], "--format: 'obj' is none of glb, jupedsim"),
+        (["export", "--format", "obj"], "--format: 'obj' is none of glb, animated-glb, csv"),
         (["export", "--pace", "-1"], "--pace is -1.0; expected a number above 0"),
         (["view", "--scene", "no.yaml"], "no.yaml"),
     ],

@@ -31,6 +31,8 @@ from stplan.optional import require
 _KINDS = ("layer", "kind", "role", "type", "class", "category", "name")
 _BLOCKING = {"obstacle", "obstacles", "wall", "walls", "hole", "holes", "pillar", "keepout", "keep-out",
              "keep_out", "blocked", "no-go", "forbidden"}  # fmt: skip
+# Of agents, in runs that were exported: no part of a map.
+TRAJECTORY = "trajectory"
 _DEPTH = {
     "Point": 0,
     "MultiPoint": 1,
@@ -53,6 +55,9 @@ def read_geojson(file: FileContent, options: FileOptions, beside: Beside) -> Dra
     left = 0
     for kind, shape in _features(tree):
         kinds.setdefault(kind or "unnamed")
+        if kind == TRAJECTORY:
+            left += 1
+            continue
         if shape.geom_type == "Point":
             spots[kind or f"p{len(spots) + 1}"] = (shape.x, shape.y)
             continue
