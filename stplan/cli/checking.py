@@ -40,23 +40,63 @@ def check(
     trajectories: Trajectories = None,
     *,
     overrides: Overrides = None,
+    radius: Annotated[
+        float | None, typer.Option(help="Against a map: of everybody, m.  [default: 0.3]")
+    ] = None,
+    fps: Annotated[
+        float | None, typer.Option(help="Frames a second, where trajectories do not say.")
+    ] = None,
 ) -> int:
-    """Certify trajectories against a scene.
+    """Certify trajectories against a scene, or against a map.
 
-    In continuous time, and whoever wrote them: a .csv, a .npz or the folder of a run.
+    In continuous time, and whoever wrote them: a .csv, a .npz or the folder of a run; text or SQLite of
+    JuPedSim and PedPy, tables with other columns, MCAP, GeoJSON. Against a map of any format that is read
+    (docs/formats.md), everybody is taken to be there from the first place to the last.
     Exit status 0 when the certificate holds, 1 when it is broken.
 
     \b
     Examples:
       stplan check outputs/bottleneck
       stplan check scenes/bottleneck/bottleneck.yaml outputs/bottleneck/seed.csv
+      stplan check hall.wkt walkers.txt --radius 0.2
     """
-    scene, lines, changed = _scene_and_lines("check", run_or_scene, trajectories, overrides or [])
+    for name, value in (("--radius", radius), ("--fps", fps)):
+        if value is not None and not (math.isfinite(value) and value > 0):
+            raise UsageError(f"{name} is {value}; expected a number above 0")
+    if trajectories is not None and _is_map(run_or_scene):
+        from stplan.imports.tracks import scene_of_tracks
+
+        judged = scene_of_tracks(run_or_scene, trajectories, radius or 0.3, fps)
+        return _certified(console, *judged, changed=False)
+    if radius is not None:
+        raise UsageError("--radius is for maps; in a scene every agent has its own")
+    scene, lines, changed = _scene_and_lines(
+        "check", run_or_scene, trajectories, overrides or [], fps
+    )
     if lines is None:
         raise UsageError(
             f"{run_or_scene} is not the folder of a run, so name the trajectories too: "
             f"stplan check {run_or_scene} TRAJECTORIES"
         )
+    return _certified(console, scene, lines, changed=changed)
+
+
+def _is_map(path: Path) -> bool:
+    """Whether a file is a map rather than a scene; YAML may be both."""
+    if not path.is_file():
+        return False
+    from stplan.maps.formats.registry import SUFFIXES
+    from stplan.maps.mesh.base import SUFFIXES as MESHES
+
+    suffix = path.suffix.lower()
+    if suffix in (".yaml", ".yml"):
+        with path.open("rb") as file:
+            return b"stplan:" not in file.read(1_000_000)
+    return suffix in (*SUFFIXES, *MESHES)
+
+
+def _certified(console: Console, scene: Scene, lines: WorldLines, *, changed: bool) -> int:
+    """Say whether a certificate holds; the exit status."""
     from stplan import planner
 
     certificate = planner.check(scene, lines, progress=console.progress)
@@ -173,16 +213,24 @@ def explain(
 
 
 def _scene_and_lines(
-    command: str, run_or_scene: Path, trajectories: Path | None, overrides: Sequence[str]
+    command: str,
+    run_or_scene: Path,
+    trajectories: Path | None,
+    overrides: Sequence[str],
+    fps: float | None = None,
 ) -> tuple[Scene, WorldLines | None, bool]:
     """A scene, the trajectories named with it or those of its run, and whether it changed since."""
+    from stplan.files.foreign import renamed
     from stplan.files.run_folder import recorded_scene
     from stplan.files.trajectories import read_trajectories
 
     if not run_or_scene.is_dir():
         scene = read_scene(run_or_scene, overrides)
-        return scene, None if trajectories is None else read_trajectories(trajectories), False
+        if trajectories is None:
+            return scene, None, False
+        return scene, renamed(read_trajectories(trajectories, fps), scene), False
     recorded = recorded_scene(run_or_scene, command)
     scene = read_scene(recorded.source, [*recorded.overrides, *overrides])
     changed = recorded.content_hash not in (None, scene.content_hash)
-    return scene, read_trajectories(trajectories or run_or_scene), changed
+    lines = read_trajectories(trajectories or run_or_scene, fps)
+    return scene, renamed(lines, scene) if trajectories else lines, changed

@@ -22,7 +22,7 @@ class Frames:
 
     Attributes:
         step: s between frames.
-        times: (T,) s, from the run's begin; the last is the run's end or less than a step before.
+        times: (T,) s, from the run's begin; the last is the run's end or less than a step after.
         places: (A, T, 2) m, NaN where an agent is not there.
         headings: (A, T) rad, counterclockwise from the x axis, continuous in time.
     """
@@ -46,13 +46,15 @@ def frames_of(view: RunView, step: float, smoothing: float) -> Frames:
     Raises:
         UsageError: there would be too many frames.
     """
-    count = int(np.floor((view.end - view.begin) / step + 1e-9)) + 1
+    count = int(np.ceil((view.end - view.begin) / step - 1e-9)) + 1
     if count * view.num_agents > MOST_FRAMES:
         raise UsageError(
             f"{count} steps of {view.num_agents} agents are too many; a longer step is expected"
         )
     times: FloatArray = np.asarray(view.begin + np.arange(count) * step, dtype=np.float64)
-    places = positions(view.lines, view.leaves, times)
+    # Whoever is there at the end of the run is so in the last frame, which may be a little later.
+    leaves = np.where(view.leaves >= view.end, np.inf, view.leaves)
+    places = positions(view.lines, leaves, times)
     headings = np.stack([_headings(curve, times, smoothing) for curve in view.lines.curves()])
     return Frames(step, times, places, headings)
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from stplan.errors import UsageError
 from stplan.files.atomic import write_set
 from stplan.files.csv_file import csv_bytes, read_csv
+from stplan.files.foreign import READERS, is_foreign_table, read_foreign
 from stplan.files.npz_file import npz_bytes, read_npz
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
@@ -16,8 +17,11 @@ from stplan.scene.model import Scene
 TRAJECTORIES = ("trajectories.npz", "trajectories.csv")
 
 
-def read_trajectories(path: Path) -> WorldLines:
-    """Read a .csv or .npz file, or the trajectories in a run's folder (there the .npz first).
+def read_trajectories(path: Path, fps: float | None = None) -> WorldLines:
+    """Read a .csv or .npz file, a run's folder (there the .npz first), or a file of another program.
+
+    Args:
+        fps: frames a second of a file that counts frames and does not say.
 
     Raises:
         UsageError: there is no such file, or it is not well-formed.
@@ -28,11 +32,16 @@ def read_trajectories(path: Path) -> WorldLines:
     if not path.exists():
         raise UsageError(f"cannot read {path}: no such file")
     suffix = path.suffix.lower()
+    if suffix in READERS and (suffix != ".csv" or is_foreign_table(path)):
+        return read_foreign(path, fps)
     if suffix == ".csv":
         return read_csv(path)
     if suffix == ".npz":
         return read_npz(path).world_lines
-    raise UsageError(f"{path}: expected a .csv file, a .npz file or the folder of a run")
+    others = ", ".join(name for name in READERS if name != ".csv")
+    raise UsageError(
+        f"{path}: expected a .csv file, a .npz file or the folder of a run (or {others})"
+    )
 
 
 def write_files(

@@ -57,7 +57,7 @@ def draft_of_files(
     tree: dict[str, Any] = {}
     free_space = None
     if read.map_file is not None:
-        tree = _map_keys(read.map_file, options, folder)
+        tree = map_keys(read.map_file, options, folder)
         free_space, notes = free_space_of(tree, folder)
         read.notes += [f"{read.map_file.name} {note}" for note in notes]
     agents = people(read, free_space, crowd)
@@ -145,7 +145,7 @@ def _drawing(path: Path, options: FileOptions) -> Drawing:
         raise UsageError(f"{path.parent / located(file, error)}") from error
 
 
-def _map_keys(file: Path, options: FileOptions, folder: Path) -> dict[str, Any]:
+def map_keys(file: Path, options: FileOptions, folder: Path) -> dict[str, Any]:
     """Keys of the scene's map."""
     shown = os.path.relpath(file, folder).replace(os.sep, "/")
     if file.suffix.lower() in MESHES:

@@ -228,6 +228,6 @@ def test_missing_files_and_other_suffixes(tmp_path):
     for name in ("no.csv", "no.npz", "no.txt"):
         with pytest.raises(UsageError, match="no such file"):
             read_trajectories(tmp_path / name)
-    (tmp_path / "t.txt").write_text("x")
+    (tmp_path / "t.doc").write_text("x")
     with pytest.raises(UsageError, match=r"expected a \.csv file"):
-        read_trajectories(tmp_path / "t.txt")
+        read_trajectories(tmp_path / "t.doc")
