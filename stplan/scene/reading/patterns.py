@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import io
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -27,6 +26,7 @@ from stplan.scene.format.agents import (
     WeightsFile,
 )
 from stplan.scene.reading.crowds import crowd_ends, stream_agents
+from stplan.schema.csv_table import CsvTable
 from stplan.schema.mapping import Fault
 
 LARGEST_TABLE = 16 * 1024 * 1024
@@ -214,19 +214,19 @@ def _along(line: list[list[float]], count: int) -> list[list[float]]:
 
 def _table(name: str, directory: Path, path: str, faults: list[Fault]) -> list[dict[str, Any]]:
     """Checked values of every row of a CSV table."""
-    text = _table_text(name, directory, path, faults)
-    if text is None:
+    table = _table_text(name, directory, path, faults)
+    if table is None:
         return []
-    rows = csv.reader(io.StringIO(text, newline=""), strict=True)
+    rows = table.rows()
     found: list[dict[str, Any]] = []
     bad: list[str] = []
     try:
         header = [cell.strip() for cell in next(rows, [])]
-        bad = _header_faults(header)
+        bad = _header_faults(header, table)
         for row in () if bad else rows:
             if not any(cell.strip() for cell in row):
                 continue
-            values, wrong = _row(header, row)
+            values, wrong = _row(header, [table.number(cell) for cell in row])
             bad += [f"line {rows.line_num}: {sentence}" for sentence in wrong]
             if not wrong:
                 found.append(values)
@@ -243,7 +243,7 @@ def _table(name: str, directory: Path, path: str, faults: list[Fault]) -> list[d
     return [] if bad else found
 
 
-def _table_text(name: str, directory: Path, path: str, faults: list[Fault]) -> str | None:
+def _table_text(name: str, directory: Path, path: str, faults: list[Fault]) -> CsvTable | None:
     source = directory / name
     try:
         if Path(name).is_absolute():
@@ -256,7 +256,7 @@ def _table_text(name: str, directory: Path, path: str, faults: list[Fault]) -> s
         if source.stat().st_size > LARGEST_TABLE:
             faults.append((path, f"{name!r} is larger than {LARGEST_TABLE // 2**20} MiB"))
             return None
-        return source.read_text(encoding="utf-8-sig")
+        return CsvTable.of(source.read_bytes())
     except UnicodeDecodeError:
         faults.append((path, f"{name!r} is not UTF-8; a text is expected"))
     except OSError as error:
@@ -264,9 +264,12 @@ def _table_text(name: str, directory: Path, path: str, faults: list[Fault]) -> s
     return None
 
 
-def _header_faults(header: list[str]) -> list[str]:
+def _header_faults(header: list[str], table: CsvTable) -> list[str]:
     known = (*ENDS, *NUMBERS, *WORDS, *WEIGHTS)
-    faults = [f"the header lacks {name}" for name in ENDS if name not in header]
+    missing = [name for name in ENDS if name not in header]
+    if missing and len(header) == 1:
+        return [f"the header lacks {', '.join(missing)}; columns{table.separation(header)}"]
+    faults = [f"the header lacks {name}" for name in missing]
     faults += [
         f"the header has {name!r}; known columns are {', '.join(known)}"
         for name in header
