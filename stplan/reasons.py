@@ -23,6 +23,10 @@ Kind = Literal[
     "not clear",
     "time limit",
     "unprepared",
+    "time scale",
+    "method",
+    "margin",
+    "more time",
 ]
 
 

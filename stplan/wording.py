@@ -6,10 +6,16 @@ import math
 from collections.abc import Callable, Sequence
 
 from stplan.amounts import amount, distinct
+from stplan.amounts import place as in_full
 from stplan.reasons import Kind, Reason
 
+# Places nearer to the origin than this (m) are shown in full.
+FINE = 0.1
 # So many names of a list are said.
 FEW_NAMES = 4
+
+# Lengths that differ by less, as a share, are the same but for rounding.
+SAME = 1e-12
 
 _LIMITS = ("limits of time", "limit of acceleration")
 
@@ -28,13 +34,15 @@ def count(number: int, noun: str) -> str:
 
 def metres(length: float) -> str:
     """A length (m) as one says it: small ones in millimetres."""
-    return f"{1000 * length:.3g} mm" if abs(length) < 0.1 else f"{length:.3g} m"
+    return f"{amount(1000 * length, 3)} mm" if abs(length) < 0.1 else f"{amount(length, 3)} m"
 
 
 def at(place: tuple[float, float]) -> str:
-    """A place (m) as one says it."""
-    # Adding 0 makes a zero of a negative zero.
-    return f"({round(place[0], 2) + 0:g}, {round(place[1], 2) + 0:g})"
+    """A place (m) as one says it: to the centimetre, but finer where all is near the origin."""
+    x, y = place
+    if max(abs(x), abs(y)) < FINE:
+        return in_full(x, y)
+    return in_full(round(x, 2), round(y, 2))
 
 
 def in_words(reasons: Sequence[Reason]) -> str:
@@ -67,26 +75,34 @@ def _names(reason: Reason) -> str:
 
 
 def _start(reason: Reason) -> str:
-    figures = reason.figures
-    apart, required = distinct(figures["distance"], figures["required"])
-    text = f"{_names(reason)} start {apart} m apart in space-time, not over {required} m"
+    text = f"{_names(reason)} start {_too_near(reason, ' in space-time')}"
     if reason.times is not None and reason.times[0] != reason.times[1]:
         text += ", at this time_scale; a larger one keeps their times further apart"
     return text
 
 
 def _goal(reason: Reason) -> str:
-    apart, required = distinct(reason.figures["distance"], reason.figures["required"])
-    return f"{_names(reason)} stay on goals {apart} m apart, not over {required} m"
+    return f"{_names(reason)} stay on goals {_too_near(reason)}"
+
+
+def _too_near(reason: Reason, where: str = "") -> str:
+    """How far two ends are apart (`where`, if not in the plane), and how far they should be."""
+    apart, required = reason.figures["distance"], reason.figures["required"]
+    if abs(apart - required) <= SAME * required:
+        return f"{amount(required)} m apart{where}, and more than that is needed"
+    near, needed = distinct(apart, required)
+    return f"{near} m apart{where}, not over {needed} m"
 
 
 def _not_connected(reason: Reason) -> str:
     figures = reason.figures
     between = "its start, waypoints and goal" if figures["stops"] > 2 else "its start and goal"
-    if figures.get("crack", 0.0) > 0.0:
-        weld = _rounded_up(2 * figures["crack"])
+    # How far it is across the cracks of a mesh, where nothing else is in the way.
+    crack = figures.get("distance", 0.0)
+    if crack > 0.0:
+        weld = _rounded_up(2 * crack)
         return (
-            f"{_names(reason)}: cracks in the mesh up to {amount(figures['crack'])} m wide part "
+            f"{_names(reason)}: cracks in the mesh up to {amount(crack)} m wide part "
             f"{between}; map.weld: {weld} closes them"
         )
     if figures["widest"] == 0.0:
@@ -111,7 +127,7 @@ def _limits_of_time(reason: Reason) -> str:
         what = f"have visited waypoint {figures['waypoint']:.0f}"
     text = (
         f"{_names(reason)} cannot {what} by {figures['latest']:g} s: "
-        f"its way is at least {figures['length']:.4g} m long, and "
+        f"its way is at least {amount(figures['length'])} m long, and "
     )
     if "speed" in figures:
         text += f"at {figures['speed']:g} m/s "
@@ -122,7 +138,7 @@ def _limit_of_acceleration(reason: Reason) -> str:
     figures = reason.figures
     return (
         f"{_names(reason)} cannot reach its goal by {figures['latest']:g} s: its way is at least "
-        f"{figures['length']:.4g} m long, too long from rest to rest at "
+        f"{amount(figures['length'])} m long, too long from rest to rest at "
         f"{figures['acceleration']:g} m/s2"
     )
 
@@ -173,8 +189,8 @@ def _touching(reason: Reason) -> str:
         )
     text = f"{_names(reason)} still block each other"
     if reason.place is not None and reason.times is not None:
-        (x, y), (first, last) = reason.place, reason.times
-        text += f" near ({x:.2f}, {y:.2f}) at {first:.1f} to {last:.1f} s"
+        first, last = reason.times
+        text += f" near {at(reason.place)} at {first:.1f} to {last:.1f} s"
     return _unproven(text)
 
 
@@ -198,6 +214,27 @@ def _unprepared(reason: Reason) -> str:
     )
 
 
+def _time_scale(reason: Reason) -> str:
+    return (
+        f"agents go at about {amount(reason.figures['speed'], 2)} m/s, far more than time_scale: one near "
+        "that speed lets them follow each other closely"
+    )
+
+
+def _method(reason: Reason) -> str:
+    del reason
+    return "seeding.method allows one way to look for curves only; auto tries all"
+
+
+def _margin(reason: Reason) -> str:
+    return f"seeding.margin asks for {reason.figures['margin']:g} times the distances; try a smaller one"
+
+
+def _more_time(reason: Reason) -> str:
+    del reason
+    return "more time may let them wait for each other: a later horizon, or max_time"
+
+
 def _unproven(text: str) -> str:
     return f"{text} (not found within the limit)"
 
@@ -219,4 +256,8 @@ _SENTENCES: dict[Kind, Callable[[Reason], str]] = {
     "not clear": _not_clear,
     "time limit": _time_limit,
     "unprepared": _unprepared,
+    "time scale": _time_scale,
+    "method": _method,
+    "margin": _margin,
+    "more time": _more_time,
 }

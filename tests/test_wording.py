@@ -23,6 +23,8 @@ FIGURES: dict[str, dict[str, float]] = {
     "blocked": {"vertices": 125},
     "time limit": {"limit": 60.0},
     "unprepared": {"limit": 60.0},
+    "time scale": {"speed": 15.0},
+    "margin": {"margin": 1.2},
 }
 
 
@@ -34,7 +36,8 @@ def reason(kind: str, *agents: str, proven: bool = False) -> Reason:
 def test_every_kind_has_a_sentence_with_its_agents_and_figures(kind: str) -> None:
     said = sentence(reason(kind, "sam", "ann"))
     assert said == said.strip()
-    assert "sam and ann" in said or kind in ("time limit", "unprepared")
+    general = ("time limit", "unprepared", "time scale", "method", "margin", "more time")
+    assert "sam and ann" in said or kind in general
     shown = [figure for name, figure in FIGURES.get(kind, {}).items() if name != "stops"]
     assert all(f"{figure:g}" in said for figure in shown)
 
@@ -64,12 +67,39 @@ def test_the_same_is_said_once() -> None:
 
 def test_places_and_times_are_told_where_they_are_known() -> None:
     near = Reason("touching", ("a", "b"), place=(1.0, 2.5), times=(3.0, 4.0))
-    assert "a and b still block each other near (1.00, 2.50) at 3.0 to 4.0 s" in sentence(near)
+    assert "a and b still block each other near (1, 2.5) at 3.0 to 4.0 s" in sentence(near)
     many = Reason("touching", ("a", "b", "c"), figures={"pairs": 7})
     assert "7 pairs of 3 agents touch" in sentence(many)
     early = Reason("start", ("a", "b"), True, times=(0.0, 1.0), figures=FIGURES["start"])
     assert "a larger one keeps their times further apart" in sentence(early)
     assert "time_scale" not in sentence(reason("start", "a", "b"))
+
+
+def test_numbers_that_differ_are_shown_to_differ() -> None:
+    near = {"distance": 0.59999999, "required": 0.6}
+    assert "0.59999999 m apart in space-time, not over 0.6 m" in sentence(
+        Reason("start", ("a", "b"), figures=near)
+    )
+    assert "0.59999999 m apart, not over 0.6 m" in sentence(
+        Reason("goal", ("a", "b"), figures=near)
+    )
+    narrow = {"stops": 2, "widest": 0.2999, "radius": 0.29991}
+    said = sentence(Reason("not connected", ("a",), figures=narrow))
+    assert "a radius of 0.2999 m through, the agent's is 0.29991 m" in said
+
+
+@pytest.mark.parametrize("rounding", [0.0, 4e-16, -4e-16])
+def test_what_is_the_same_is_not_said_to_differ(rounding: float) -> None:
+    same = Reason("start", ("a", "b"), figures={"distance": 0.6 + rounding, "required": 0.6})
+    text = "a and b start 0.6 m apart in space-time, and more than that is needed"
+    assert sentence(same) == text
+
+
+def test_cracks_and_what_closes_them() -> None:
+    figures = {"stops": 2, "widest": 0.0, "radius": 0.3, "distance": 0.00132}
+    said = sentence(Reason("not connected", ("a",), figures=figures))
+    assert "cracks in the mesh up to 0.00132 m wide" in said
+    assert said.endswith("map.weld: 0.003 closes them")
 
 
 def test_waypoints_and_speeds_are_told_where_they_matter() -> None:
@@ -102,6 +132,8 @@ def test_an_error_keeps_its_reasons_in_another_process() -> None:
         (0.996, "0.996 m"),
         (1.25, "1.25 m"),
         (1.5, "1.5 m"),
+        (395_300.0, "395000 m"),
+        (5e-8, "0.00005 mm"),
     ],
 )
 def test_lengths_in_words(length, words):
@@ -114,3 +146,5 @@ def test_lists_counts_and_places():
     assert names(list("abcdefg")) == "a, b, c, d and 3 more"
     assert (count(1, "agent"), count(2, "agent")) == ("1 agent", "2 agents")
     assert at((-0.001, 2.126)) == "(0, 2.13)"
+    assert at((395_300.257, -9_900_000.0)) == "(395300.26, -9900000)"
+    assert at((0.0000123, -0.04)) == "(0.000012, -0.04)"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stplan.amounts import LARGEST
+from stplan.amounts import LARGEST, amount
 from stplan.arrays import FloatArray
 from stplan.certify.motion import missed_visit, place_tolerance
 from stplan.certify.places import outside_all
@@ -68,5 +68,5 @@ def _left_path(agent: Agent, curve: FloatArray) -> list[str]:
         for x in range(2)
     )
     if gap > place_tolerance(agent, curve) or curve[-1, 2] != given[-1, 2]:
-        return [f"{agent.id}: leaves its given path by {gap:.3g} m"]
+        return [f"{agent.id}: leaves its given path by {amount(gap, 3)} m"]
     return []

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from stplan.amounts import amount
+from stplan.amounts import place as in_full
 from stplan.arrays import FloatArray
 from stplan.scene.model import Scene
 from stplan.scene.places import Assignment, Place
@@ -39,7 +41,7 @@ def outside_all(places: Sequence[Place], point: FloatArray, tolerance: float) ->
     if min(gaps) <= tolerance:
         return ""
     names = " or ".join(dict.fromkeys(str(place) for place in places))
-    return f"ends at {tuple(point.tolist())}, {min(gaps):.3g} m outside {names}"
+    return f"ends at {in_full(*point.tolist())}, {amount(min(gaps), 3)} m outside {names}"
 
 
 def broken_assignments(scene: Scene, ends: FloatArray) -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from stplan.amounts import distinct
 from stplan.analysis.crowd import Crowd
 from stplan.analysis.detours import LONGER, Detour, detours
 from stplan.analysis.lateness import Late, late_agents, timed
@@ -96,9 +97,9 @@ def limit_sections(certificate: Certificate) -> list[Section]:
 
 def _peak(peak: Peak) -> Fact:
     unit = "m/s" if peak.limit == "speed" else "m/s2"
+    reached, allowed = distinct(peak.reached, peak.allowed, digits=3)
     return Fact(
-        f"{peak.agent}: {peak.limit} {peak.reached:.3g} of {peak.allowed:.3g} {unit}, "
-        f"at t = {peak.time:.2f} s",
+        f"{peak.agent}: {peak.limit} {reached} of {allowed} {unit}, at t = {peak.time:.2f} s",
         peak,
     )
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from stplan.amounts import amount, distinct
 from stplan.analysis.cost_bound import cost_bound
 from stplan.analysis.crowd import Crowd
 from stplan.analysis.detours import ways_alone
@@ -127,7 +128,10 @@ def _in(place: Place, agent: Agent) -> bool:
 
 def _span(word: str, values: FloatArray, unit: str) -> str:
     low, high = float(values.min()), float(values.max())
-    return f"{word} {low:g} {unit}" if low == high else f"{word} {low:g} to {high:g} {unit}"
+    if low == high:
+        return f"{word} {amount(low)} {unit}"
+    least, most = distinct(low, high)
+    return f"{word} {least} to {most} {unit}"
 
 
 def passage_section(problem: PlanningProblem) -> Section:
@@ -172,7 +176,7 @@ def encounter_section(problem: PlanningProblem, alone: Sequence[FloatArray | Non
         which = "agents" if found.all_able else "agents that can reach their goals"
         return Section("encounters", title, f"No two {which} have to keep apart.")
     if not found.found:
-        lead = "Everybody can take its shortest way at constant speed: nobody meets."
+        lead = "On their shortest ways, at constant speed, no two would come too near."
         return Section("encounters", title, lead)
     lead = (
         f"If everybody took its shortest way at constant speed, {len(found.found)} of "

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import numpy as np
 
+from stplan.amounts import distinct
 from stplan.arrays import Point
 from stplan.schema.mapping import GIVEN, Fault, FileModel, key
 from stplan.schema.quantities import NotNegative
@@ -17,10 +18,11 @@ def rectangle_ring(values: Sequence[float], path: str, faults: list[Fault]) -> t
     x0, y0, x1, y1 = values
     for axis, low, high in (("x", x0, x1), ("y", y0, y1)):
         if low >= high:
+            first, last = distinct(low, high)
             faults.append(
                 (
                     path,
-                    f"reaches from {axis}min {low:g} to {axis}max {high:g}; "
+                    f"reaches from {axis}min {first} to {axis}max {last}; "
                     f"[xmin, ymin, xmax, ymax] with {axis}min < {axis}max is expected",
                 )
             )

@@ -51,7 +51,7 @@ def _too_narrow(problem: PlanningProblem, agent: int) -> Reason:
         (problem.agent_ids[agent],),
         proven=True,
         place=_point(problem.starts[agent]),
-        figures={"stops": len(stops), "widest": widest, "radius": radius, "crack": crack},
+        figures={"stops": len(stops), "widest": widest, "radius": radius, "distance": crack},
     )
 
 

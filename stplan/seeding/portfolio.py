@@ -30,6 +30,7 @@ from stplan.seeding.elastic_bands.relaxation_seeder import Relaxation, straight_
 from stplan.seeding.elastic_bands.tightening import tighten
 from stplan.seeding.infeasibility import hopeless, not_connected
 from stplan.seeding.registry import SEEDERS
+from stplan.seeding.remedies import remedies
 from stplan.seeding.rendezvous import Rendezvous, with_rendezvous
 from stplan.seeding.search.emptying import Emptying
 from stplan.seeding.search.least_cost import LeastCost
@@ -172,7 +173,9 @@ class Portfolio:
             reasons += found.reasons
             if budget.spent():
                 break
-        if budget.spent() or not reasons:
+        late = budget.spent() or not reasons
+        reasons += remedies(self.problem, reasons)
+        if late:
             reasons.append(Reason("time limit", figures={"limit": self._time_limit}))
         raise SeedingError(reasons)
 

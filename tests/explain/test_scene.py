@@ -110,7 +110,7 @@ def test_initial_curves_are_explained_where_they_are_found():
     scene = scene_of(SAM, ANN, top="seeding: {time_limit: 600}\n")
     text, plannable = told(scene, time_limit=600.0)
     assert plannable
-    assert "Everybody can take its shortest way at constant speed: nobody meets." in text
+    assert "On their shortest ways, at constant speed, no two would come too near." in text
     assert "Initial curves\n  Found by relaxation." in text
     assert "Nobody waits or holds back for anybody." in text
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from stplan.amounts import distinct
+from stplan.amounts import place as in_full
 from stplan.arrays import Point
 from stplan.scene.format.agents import AgentFile, SharedFields, WaypointFile
 from stplan.scene.format.places import GoalPlaceFile, StartPlaceFile
@@ -161,10 +163,11 @@ class _Merge:
         if max_time <= start_time:
             given = self._own.max_time is not None or self._defaults.max_time is not None
             key = "max_time" if given else "start_time"
+            early, late = distinct(start_time, max_time)
             text = (
-                f"max_time {max_time:g} s is not after start_time {start_time:g} s"
+                f"max_time {late} s is not after start_time {early} s"
                 if given
-                else f"is {start_time:g} s; less than the horizon {max_time:g} s is expected"
+                else f"is {early} s; less than the horizon {late} s is expected"
             )
             self._fault(key, text + ("; a later one is expected" if given else ""))
         return start_time, max_time
@@ -178,10 +181,10 @@ class _Merge:
                     f"is {weights.arrival:g}, but preferred_time is missing; a time in s is expected",
                 )
         elif not start_time < preferred <= max_time:
+            wanted, early, late = distinct(preferred, start_time, max_time)
             self._fault(
                 "preferred_time",
-                f"is {preferred:g} s; after start_time {start_time:g} s and no later than "
-                f"max_time {max_time:g} s is expected",
+                f"is {wanted} s; after start_time {early} s and no later than max_time {late} s is expected",
             )
 
     def _check_visits(self, visits: tuple[Visit, ...], start_time: float, max_time: float) -> None:
@@ -195,10 +198,8 @@ class _Merge:
                 return
             now = max(now, begin) + visit.dwell
             if now > min(end, max_time):
-                text = (
-                    f"cannot be left before {now:g} s; no later than {min(end, max_time):g} s "
-                    "is expected"
-                )
+                earliest, latest = distinct(now, min(end, max_time))
+                text = f"cannot be left before {earliest} s; no later than {latest} s is expected"
                 self._fault(f"waypoints[{k}]", text)
                 return
 
@@ -212,13 +213,15 @@ class _Merge:
         for key, place in (("start", path[0]), ("goal", path[-1])):
             value = getattr(own, key)
             if value is not None and (not isinstance(value, list) or _point(value) != place[:2]):
-                text = f"is not the path's end ({place[0]:g}, {place[1]:g}); leave it out"
+                text = f"is not the path's end {in_full(place[0], place[1])}; leave it out"
                 self._faults.append((f"{here}.{key}", text))
         if own.start_time is not None and own.start_time != path[0][2]:
-            text = f"is {own.start_time:g} s, the path starts at {path[0][2]:g} s; leave it out"
+            given, first = distinct(own.start_time, path[0][2])
+            text = f"is {given} s, the path starts at {first} s; leave it out"
             self._faults.append((f"{here}.start_time", text))
         if own.max_time is not None and own.max_time < path[-1][2]:
-            text = f"is {own.max_time:g} s, the path ends at {path[-1][2]:g} s; leave it out"
+            given, last = distinct(own.max_time, path[-1][2])
+            text = f"is {given} s, the path ends at {last} s; leave it out"
             self._faults.append((f"{here}.max_time", text))
         for key in ("max_speed", "max_acceleration"):
             if getattr(own, key) is not None:
