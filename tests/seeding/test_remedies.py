@@ -6,6 +6,7 @@ import pytest
 
 from stplan.errors import SeedingError
 from stplan.planner import prepare
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.reasons import Reason
 from stplan.scene import parse_scene
 from stplan.seeding.portfolio import find_seed
@@ -22,12 +23,14 @@ CARS = """agents:
 
 def advice(top: str, *reasons: Reason) -> list[str]:
     """The advice about a scene in words."""
-    problem = prepare(parse_scene(HEAD + top + CARS))
+    problem = PlanningProblem.from_scene(parse_scene(HEAD + top + CARS), None)
     return [sentence(one) for one in remedies(problem, reasons)]
 
 
 def test_a_time_scale_far_below_the_speed() -> None:
-    assert usual_pace(prepare(parse_scene(HEAD + CARS))) == pytest.approx(22.5)
+    assert usual_pace(PlanningProblem.from_scene(parse_scene(HEAD + CARS), None)) == pytest.approx(
+        22.5
+    )
     (said,) = advice("time_scale: 1.0\n")
     assert said.startswith("agents go at about 22 m/s, far more than time_scale")
     assert advice("time_scale: 15.0\n") == []

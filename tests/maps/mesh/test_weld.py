@@ -11,7 +11,8 @@ import trimesh
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.maps.mesh.cracks import joined
-from stplan.planner import prepare
+from stplan.problem.planning_problem import PlanningProblem
+from stplan.scene.model import Scene
 from stplan.seeding.infeasibility import hopeless
 from stplan.wording import sentence
 from stplan.world import FreeSpace, build_free_space, cut_off_agents, warnings_of
@@ -50,6 +51,11 @@ def free(folder: Path, world: str, radius: float = 0.3) -> tuple[FreeSpace, list
     built = scene(world, AGENT.format(radius), folder=folder)
     space = build_free_space(built)
     return space, warnings_of(built, space)
+
+
+def problem_of(built: Scene) -> PlanningProblem:
+    """The problem of a scene, in its own units."""
+    return PlanningProblem.from_scene(built, build_free_space(built))
 
 
 def connected(space: FreeSpace, radius: float = 0.3) -> bool:
@@ -102,21 +108,21 @@ def test_it_can_be_set_and_switched_off(tmp_path: Path) -> None:
 
 def test_a_refusal_says_how_wide_the_cracks_are_and_what_closes_them(tmp_path: Path) -> None:
     world = write(tmp_path, "obj", 2e-3)
-    (reason,) = hopeless(prepare(scene(world, AGENT.format(0.3), folder=tmp_path)))
+    (reason,) = hopeless(problem_of(scene(world, AGENT.format(0.3), folder=tmp_path)))
     text = sentence(reason)
     assert text.startswith("a: cracks in the mesh up to 0.00")
-    assert reason.figures["crack"] < 6e-3
+    assert reason.figures["distance"] < 6e-3
     advice = float(text.partition("map.weld: ")[2].partition(" ")[0])
-    assert advice >= reason.figures["crack"]
+    assert advice >= reason.figures["distance"]
     healed = scene(world.replace("}", f", weld: {advice}}}"), AGENT.format(0.3), folder=tmp_path)
-    assert hopeless(prepare(healed)) == ()
+    assert hopeless(problem_of(healed)) == ()
 
 
 def test_rooms_that_are_apart_are_no_cracks(tmp_path: Path) -> None:
     apart = CORNERS[FACES[:4]].reshape(-1, 2)
     text = "".join(f"v {x} {y} 0\n" for x, y in apart) + "f 1 2 3\nf 4 5 6\nf 7 8 9\nf 10 11 12\n"
     (tmp_path / "m.obj").write_text(text)
-    (reason,) = hopeless(prepare(scene("{mesh: m.obj}", AGENT.format(0.3), folder=tmp_path)))
+    (reason,) = hopeless(problem_of(scene("{mesh: m.obj}", AGENT.format(0.3), folder=tmp_path)))
     assert sentence(reason) == "a: its start and goal lie in separate parts of the map"
 
 
