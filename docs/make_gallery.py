@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -21,6 +22,7 @@ SCENES = ROOT / "scenes"
 RUNS = ROOT / "outputs" / "gallery"
 GALLERY = ROOT / "docs" / "gallery"
 PICTURES = ROOT / "docs" / "pictures"
+FORMATS = GALLERY / "formats"
 # Enough for line drawings, and a third of the bytes.
 COLOURS = 240
 # The scenes of README.
@@ -120,9 +122,31 @@ def readme_pictures() -> None:
     stplan("animate", RUNS / MOVIE, "--size", 640, "--fps", 15, "-o", movie).check_returncode()
 
 
+def format_pictures() -> None:
+    """A picture for every command of docs/formats.md that imports a sample."""
+    FORMATS.mkdir(exist_ok=True)
+    page = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
+    for line in re.findall(
+        r"^stplan (import docs/samples/.*--agents 10|import .*setup.json)$", page, re.M
+    ):
+        words = line.split()
+        name = Path(words[1]).name.partition(".")[0] + "-" + words[1].rpartition(".")[2]
+        scene = RUNS / "formats" / f"{name}.yaml"
+        scene.parent.mkdir(parents=True, exist_ok=True)
+        stplan(*words, "-o", scene).check_returncode()
+        answer = json.loads(stplan("solve", scene, "-o", RUNS / "formats", "--json").stdout)
+        target = FORMATS / f"{name}.png"
+        folder = answer["scenes"][0]["folder"]
+        stplan("plot", folder, "--show", "map", "--dpi", 60, "-o", target).check_returncode()
+        reduce(target)
+
+
 def main(names: list[str]) -> int:
-    """Make the whole gallery, or draw some scenes again."""
+    """Make the whole gallery, draw some scenes again, or only the formats of other programs."""
     scenes = sorted(SCENES.rglob("*.yaml"))
+    if names == ["formats"]:
+        format_pictures()
+        return 0
     if names:
         for scene in scenes:
             if scene.stem in names:
@@ -134,6 +158,7 @@ def main(names: list[str]) -> int:
     GALLERY.mkdir(exist_ok=True)
     (GALLERY / "README.md").write_text(page(entries), encoding="utf-8")
     readme_pictures()
+    format_pictures()
     failed = [entry for entry in entries if entry.report is None]
     for entry in failed:
         print(f"{entry.scene}: {entry.problem}", file=sys.stderr)

@@ -56,7 +56,7 @@ def everything(console: Console, *, output: Output = FOLDER, full: Full = False)
     require_matplotlib()
     require_casadi()
     shipped_scenes([], full=full)
-    _finish(console, output, {"machine.md": description().encode()})
+    finish(console, output, {"machine.md": description().encode()})
     startup(console, output=output, full=full)
     figures(console, output=output, full=full)
     for name in SWEEPS:
@@ -94,7 +94,7 @@ def startup(
         first_rounds=startup.FULL_FIRST_ROUNDS if full else startup.FIRST_ROUNDS,
         progress=console.progress,
     )
-    return _finish(console, output, startup.files(timed))
+    return finish(console, output, startup.files(timed))
 
 
 @command(benchmarks, without=_NO_JSON)
@@ -125,7 +125,7 @@ def comparison(
         "comparison.csv": comparison_table.csv_text(outcomes).encode(),
         "comparison.md": comparison_table.markdown_text(outcomes).encode(),
     }
-    return _finish(console, output, contents)
+    return finish(console, output, contents)
 
 
 @command(benchmarks, without=_NO_JSON)
@@ -152,7 +152,7 @@ def figures(
 
     chosen = figures.chosen_cases(_names(only), full=full)
     measured = figures.measure(chosen, progress=console.progress)
-    return _finish(console, output, figures_table.files(chosen, measured))
+    return finish(console, output, figures_table.files(chosen, measured))
 
 
 @command(benchmarks, without=_NO_JSON)
@@ -229,7 +229,7 @@ def convergence(
         convergence.chosen_variants(_names(variants)),
         progress=console.progress,
     )
-    return _finish(console, output, convergence_table.files(outcomes))
+    return finish(console, output, convergence_table.files(outcomes))
 
 
 @command(benchmarks, without=_NO_JSON)
@@ -255,7 +255,7 @@ def rival(
         time_limit or (rival.FULL_SECONDS if full else rival.SMALL_SECONDS),
         progress=console.progress,
     )
-    return _finish(console, output, rival_table.files(duels))
+    return finish(console, output, rival_table.files(duels))
 
 
 @command(benchmarks, without=_NO_JSON)
@@ -274,7 +274,7 @@ def batch(
     from stplan.bench import batches
 
     measured = batches.measure(runs, (1, 2), progress=console.progress)
-    return _finish(console, output, batches.files(measured))
+    return finish(console, output, batches.files(measured))
 
 
 @command(benchmarks, without=_NO_JSON)
@@ -315,7 +315,7 @@ def seeding(
         time_limit or (seeding.FULL_LIMIT if full else seeding.SMALL_LIMIT),
         progress=console.progress,
     )
-    return _finish(console, output, seeding_table.files(measurements))
+    return finish(console, output, seeding_table.files(measurements))
 
 
 @command(benchmarks, without=_NO_JSON)
@@ -365,7 +365,7 @@ def quality(
         # Read anew: others may have written meanwhile, and it only improves.
         text = ledgers.ledger_text(ledgers.read_ledger(ledger), found)
         write_set(ledger.parent, {ledger.name: text.encode()})
-    return _finish(console, output, quality_table.files(known, measured))
+    return finish(console, output, quality_table.files(known, measured))
 
 
 @command(benchmarks, without=_NO_JSON)
@@ -398,7 +398,7 @@ def paper(
     seconds = time_limit or (paper.FULL_SECONDS if full else paper.SMALL_SECONDS)
     compared = paper.compare(files, seconds, progress=console.progress)
     timings = paper.time_iterations(full=full, progress=console.progress)
-    return _finish(console, output, paper_table.files(compared, timings))
+    return finish(console, output, paper_table.files(compared, timings))
 
 
 def _sweep(console: Console, name: str, *, output: Path, full: bool) -> int:
@@ -409,10 +409,10 @@ def _sweep(console: Console, name: str, *, output: Path, full: bool) -> int:
     require_matplotlib()
     sweep = scaling.SWEEPS[name]
     points = scaling.measure(sweep, full=full, progress=console.progress)
-    return _finish(console, output, scaling_table.files(sweep, points))
+    return finish(console, output, scaling_table.files(sweep, points))
 
 
-def _finish(console: Console, output: Path, contents: Mapping[str, bytes]) -> int:
+def finish(console: Console, output: Path, contents: Mapping[str, bytes]) -> int:
     """Write the files of a benchmark and print its table."""
     from stplan.files.atomic import write_set
 

@@ -208,6 +208,8 @@ def _keys(agent: DrawnAgent, name: str, agents: list[DrawnAgent]) -> dict[str, A
     if agent.vanishes:
         keys["after_arrival"] = "vanish"
     weights = dict(agent.weights)
+    if weights.get("arrival") and agent.max_time is not None:
+        keys["preferred_time"] = agent.max_time
     if weights:
         keys["weights"] = weights
     return keys

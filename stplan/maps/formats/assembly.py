@@ -67,7 +67,7 @@ def _base(drawing: Drawing, walls: Sequence[FloatArray], notes: list[str]) -> An
     """The floor before anything is cut out of it."""
     if drawing.floors:
         return shapely.union_all(np.array(drawing.floors, dtype=object))
-    if not drawing.has_map and drawing.margin is None:
+    if not (drawing.has_map or (drawing.margin is not None and drawing.shapes)):
         raise FormatError("draws neither floors nor walls; it is no map")
     box = shapely.total_bounds(np.array(drawing.shapes, dtype=object))
     if drawing.margin is not None:

@@ -44,8 +44,13 @@ def read_setup(file: FileContent, options: FileOptions, beside: Beside) -> Drawi
         floors = tuple(shapely.get_parts(area))
     agents = _agents(mapping(tree, "agents"))
     obstacles = tree.get("obstacles")
-    notes = (f"{len(obstacles)} obstacles were left out",) if obstacles else ()
-    return Drawing(floors=floors, agents=agents, notes=notes)
+    notes = [f"{len(obstacles)} obstacles were left out"] if obstacles else []
+    between = sum(
+        len(members(one, "xse")) > 2 for one in members(tree, "agents") if isinstance(one, dict)
+    )
+    if between:
+        notes.append(f"places between start and goal of {between} agents were left out")
+    return Drawing(floors=floors, agents=agents, notes=tuple(notes))
 
 
 def _agents(entries: dict[str, Any]) -> tuple[DrawnAgent, ...]:
@@ -56,9 +61,11 @@ def _agents(entries: dict[str, Any]) -> tuple[DrawnAgent, ...]:
     for name, entry in entries.items():
         path = f"agents.{name[:40]}"
         ends = members(entry, "xse", f"{path}.")
-        if len(ends) != 2 or not all(isinstance(end, list) and len(end) == 3 for end in ends):
-            raise FormatError(f"{path}.xse is no pair of [x, y, t]")
-        (x, y, t), (goal_x, goal_y, end) = ([finite(v, f"{path}.xse") for v in one] for one in ends)
+        if len(ends) < 2 or not all(isinstance(end, list) and len(end) == 3 for end in ends):
+            raise FormatError(f"{path}.xse is no list of places [x, y, t]")
+        (x, y, t), (goal_x, goal_y, end) = (
+            [finite(v, f"{path}.xse") for v in one] for one in (ends[0], ends[-1])
+        )
         given = entry.get("energy_coefficients")
         given = given if isinstance(given, dict) else {}
         weights = {
@@ -84,7 +91,7 @@ def _agents(entries: dict[str, Any]) -> tuple[DrawnAgent, ...]:
 def _mentioned(file: FileContent) -> tuple[str, ...]:
     terrain = read_json_tree(file.content).get("terrain")
     name = terrain.get("mesh") if isinstance(terrain, dict) else None
-    if name is None:
+    if not name:
         return ()
     if not isinstance(name, str) or not name.lower().endswith(MESHES):
         raise FormatError(

@@ -35,6 +35,12 @@ def read_scene(file: FileContent, options: FileOptions, beside: Beside) -> Drawi
     root = read_xml(file.content)
     if root.tag == "BFSM":
         return Drawing(regions=dict(_goals(root)))
+    for group in root.all("ObstacleSet"):
+        kind = group.attributes.get("type", "explicit")
+        if kind != "explicit":
+            raise FormatError(
+                f"has obstacles of the type {kind[:40]!r}; explicit is expected", group.line
+            )
     blocked: list[Any] = []
     walls: list[FloatArray] = []
     outlines: list[Any] = []

@@ -64,7 +64,7 @@ def read_occupancy(file: FileContent, options: FileOptions, beside: Beside) -> D
     if resolution <= 0:
         raise FormatError(f"resolution is {resolution:g}; more than 0 is expected")
     picture = beside(name)
-    free = _free_pixels(_lightness(picture), tree, options)
+    free = _free_pixels(picture, tree, options)
     x, y, angle = _origin(tree.get("origin", [0.0, 0.0, 0.0]))
     turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
 
@@ -84,8 +84,11 @@ def _mentioned(file: FileContent) -> tuple[str, ...]:
     return (name,)
 
 
-def _free_pixels(light: FloatArray, tree: dict[str, Any], options: FileOptions) -> BoolArray:
-    occupied = light if _flag(tree.get("negate", 0)) else 1.0 - light
+def _free_pixels(picture: FileContent, tree: dict[str, Any], options: FileOptions) -> BoolArray:
+    negate = _flag(tree.get("negate", 0))
+    # What is transparent is not known to be free.
+    light = _lightness(picture, "white" if negate else "black")
+    occupied = light if negate else 1.0 - light
     if options.threshold is not None:
         return occupied <= 1.0 - options.threshold
     mode = tree.get("mode", "trinary")
@@ -119,8 +122,8 @@ def _floors(free: BoolArray) -> tuple[Any, ...]:
     return cell_polygons(free)
 
 
-def _lightness(file: FileContent) -> FloatArray:
-    """(H, W) 0 black to 1 white; what is transparent is paper, and white.
+def _lightness(file: FileContent, behind: str = "white") -> FloatArray:
+    """(H, W) 0 black to 1 white, in front of a colour where the picture is transparent.
 
     Raises:
         FormatError: it is no picture, or larger than is read.
@@ -134,7 +137,7 @@ def _lightness(file: FileContent) -> FloatArray:
             check_cells(*image.size)
             if image.mode in ("RGBA", "LA", "PA") or "transparency" in image.info:
                 image = image.convert("RGBA")
-                paper = image_module.new("RGBA", image.size, "white")
+                paper = image_module.new("RGBA", image.size, behind)
                 image = image_module.alpha_composite(paper, image)
             if image.mode.startswith(("I", "F")):
                 values = np.asarray(image, dtype=np.float64)

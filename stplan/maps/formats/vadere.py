@@ -89,14 +89,14 @@ def _flows(
 ) -> tuple[Flow, ...]:  # fmt: skip
     flows = []
     for k, source in enumerate(members(topography, "sources", path)):
-        spawner = source.get("spawner")
+        spawner = _optional(source, "spawner")
         count = (
             spawner.get("eventElementCount")
             if isinstance(spawner, dict)
-            else source.get("spawnNumber")
+            else _optional(source, "spawnNumber")
         )
         goals = tuple(
-            name for one in members(source, "targetIds", f"{path}sources[{k}].")
+            name for one in members({"targetIds": _optional(source, "targetIds")}, "targetIds")
             if (name := f"target-{one}") in regions
         )  # fmt: skip
         number = (
@@ -104,7 +104,8 @@ def _flows(
             if count is None
             else int(finite(count, f"{path}sources[{k}]: the number of agents"))
         )
-        flows.append(Flow((f"source-{source['id']}",), goals, number, radius, speed))
+        name = f"source-{_member(source, 'id', f'{path}sources[{k}]')}"
+        flows.append(Flow((name,), goals, number, radius, speed))
     return tuple(flows)
 
 
@@ -140,6 +141,13 @@ def _member(entry: Any, key: str, path: str) -> Any:
             return inner[key]
         raise FormatError(f"{path} has no {key}")
     return entry[key]
+
+
+def _optional(entry: Any, key: str) -> Any:
+    """What is under a key, there or among the `attributes`; None where it is neither."""
+    inner = entry.get("attributes") if isinstance(entry, dict) else None
+    found = entry.get(key) if isinstance(entry, dict) else None
+    return inner.get(key) if found is None and isinstance(inner, dict) else found
 
 
 def _shape(shape: Any, path: str) -> Any:
