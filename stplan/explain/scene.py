@@ -21,7 +21,7 @@ from stplan.explain.curves import curve_sections
 from stplan.explain.explanation import Explanation, Fact, Section
 from stplan.planner import find_initial_curves, prepare
 from stplan.problem.planning_problem import PlanningProblem
-from stplan.scene.model import Agent, Scene
+from stplan.scene.model import Agent, Scene, SeedingSettings
 from stplan.scene.places import Place
 from stplan.wording import at, count, headline, metres, names, sentences
 
@@ -51,7 +51,7 @@ def explain_scene(
     try:
         (initial,) = find_initial_curves(problem, progress=progress, stop=stop)
     except SeedingError as error:
-        title = f"{scene.name}: a valid scene, but there is no way to start."
+        title = f"{scene.name}: a valid scene, but {_how_it_ended(error, seeding, scene.seeding)}."
         return Explanation(title, (*sections, _refusal(error))), False
     found_by = initial.seed.found_by
     lead = f"Found by {found_by}. What follows is about them; planning makes them smooth."
@@ -60,6 +60,21 @@ def explain_scene(
     sections += curve_sections(crowd, initial.certificate, alone)
     sections.append(cost_section(cost_bound(problem, initial.world_lines)))
     return Explanation(f"{scene.name}: a valid scene.", tuple(sections)), True
+
+
+def _how_it_ended(error: SeedingError, looked: SeedingSettings, own: SeedingSettings) -> str:
+    """What a failed search comes to: a proof, or only that this one, shorter than its `own`, found none."""
+    if error.reasons and all(reason.proven for reason in error.reasons):
+        return "there is no way to start"
+    ended = "no initial curves were found"
+    if looked.time_limit < own.time_limit and any(
+        one.kind == "time limit" for one in error.reasons
+    ):
+        ended += (
+            f" within {looked.time_limit:g} s; `stplan solve` looks for {own.time_limit:g} s, "
+            f"as does --time-limit {own.time_limit:g}"
+        )
+    return ended
 
 
 def _refusal(error: SeedingError) -> Section:

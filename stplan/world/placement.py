@@ -13,7 +13,7 @@ from stplan.errors import SceneError
 from stplan.scene.model import Agent, Scene
 from stplan.scene.places import Place
 from stplan.world.erosion import eroded
-from stplan.world.free_space import FreeSpace, build_free_space
+from stplan.world.free_space import FreeSpace, build_free_space, warnings_of
 from stplan.world.places import StandingRoom
 
 # Erosions are computed with this share less than the radius, so that "not connected" is never claimed
@@ -45,7 +45,8 @@ def fitted_free_space(scene: Scene) -> FreeSpace | None:
     free_space = build_free_space(scene)
     faults = check_scene_in_world(scene, free_space)
     if faults:
-        raise SceneError(faults)
+        # Perhaps that is why.
+        raise SceneError([*faults, *warnings_of(scene, free_space)])
     return free_space
 
 

@@ -87,6 +87,16 @@ def test_agents_that_cannot_get_past_each_other():
     assert "sam and ann" in text.partition("Initial curves")[2]
 
 
+def test_a_search_cut_short_is_not_said_to_be_a_proof():
+    text, plannable = told(scene_of(SAM, ANN), time_limit=1e-9)
+    assert not plannable
+    assert text.startswith(
+        "scene: a valid scene, but no initial curves were found within 1e-09 s; `stplan solve` looks for "
+        "60 s, as does --time-limit 60."
+    )
+    assert "Everybody can" not in text
+
+
 def test_who_is_there_and_who_would_meet():
     scene = scene_of(
         "id: sam, start: [-5, 0], goal: [5, 0], mass: 80",

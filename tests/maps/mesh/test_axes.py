@@ -10,13 +10,14 @@ import shapely
 import trimesh
 
 from stplan.errors import SceneError
-from stplan.world import build_free_space, warnings_of
+from stplan.world import build_free_space, fitted_free_space, warnings_of
 from tests.world.scenes import scene
 
 # An L with arms of unequal length: no turn and no mirror maps it to itself.
 CORNERS = np.array([(0, 0), (7, 0), (7, 2), (3, 2), (3, 5), (0, 5)], dtype=float)
 L_SHAPE = shapely.Polygon(CORNERS)
 FACES = [[0, 1, 3], [1, 2, 3], [0, 3, 5], [3, 4, 5]]
+OUTSIDE = "  - {id: a, start: [1, 1], goal: [5, 4], radius: 0.3}"
 KINDS = ["obj", "ply", "off", "stl", "glb"]
 # Right, forward and up of the map in the mesh: a right-handed frame each.
 FRAMES = {
@@ -65,6 +66,11 @@ def test_whoever_relied_on_the_mirror_image_is_warned(tmp_path: Path) -> None:
     (warning,) = warnings_of(built, build_free_space(built))
     assert warning.startswith("warning: scene:3:20: map.up: m.obj: the map's y is the mesh's -z")
     assert "mirror" in warning
+    with pytest.raises(SceneError) as caught:
+        fitted_free_space(scene("{mesh: m.obj, up: y}", agents=OUTSIDE, folder=tmp_path))
+    outside, why = caught.value.messages
+    assert "(5, 4) lies outside the free space" in outside
+    assert why.endswith(warning.partition("map.up: ")[2])
 
 
 def test_where_the_mirror_image_is_the_same_nobody_is_warned(tmp_path: Path) -> None:
