@@ -57,8 +57,8 @@ def _pieces(text: str) -> list[tuple[int, str]]:
     """(where it begins, text) of every geometry; brackets are counted before anything is parsed."""
     found = []
     depth = begin = 0
-    for match in re.finditer(r"[()]", text):
-        depth += 1 if match[0] == "(" else -1
+    for match in re.finditer(r"[()]|EMPTY", text):
+        depth += {"(": 1, ")": -1}.get(match[0], 0)
         if depth > DEEPEST:
             line = text.count("\n", 0, match.start()) + 1
             raise FormatError(f"is nested more than {DEEPEST} brackets deep", line)
