@@ -10,7 +10,6 @@ from __future__ import annotations
 import io
 import json
 import re
-import sqlite3
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -204,24 +203,28 @@ def _number(text: str, path: Path, line: int) -> float:
 
 def _database(path: Path, content: bytes, fps: float | None) -> list[Row]:
     """A trajectory file of JuPedSim."""
-    connection = sqlite3.connect(":memory:")
+    from stplan.maps.formats.drawing import FormatError
+    from stplan.maps.formats.sqlite_file import query
+
     try:
-        connection.deserialize(content)
-        metadata = dict(connection.execute("SELECT key, value FROM metadata").fetchall())
-        rows = connection.execute("SELECT id, frame, pos_x, pos_y FROM trajectory_data").fetchall()
-        listed = "SELECT name FROM sqlite_master WHERE type = 'table'"
-        named = ("agent_names",) in connection.execute(listed).fetchall()
-        names = (
-            dict(connection.execute("SELECT id, name FROM agent_names").fetchall()) if named else {}
+        tables, metadata, rows = query(
+            content,
+            [
+                "SELECT name FROM sqlite_master",
+                "SELECT key, value FROM metadata",
+                "SELECT id, frame, pos_x, pos_y FROM trajectory_data",
+            ],
         )
-        rate = float(metadata.get("fps", fps or 0.0))
+        named = ("agent_names",) in tables
+        names = dict(query(content, ["SELECT id, name FROM agent_names"])[0]) if named else {}
+        rate = float(dict(metadata).get("fps", fps or 0.0))
         if rate <= 0:
             raise UsageError(f"{path}: does not say how many frames a second it has; --fps says it")
         return [(str(names.get(i, i)), float(k) / rate, float(x), float(y)) for i, k, x, y in rows]
-    except (sqlite3.Error, OverflowError, TypeError, ValueError) as error:
+    except FormatError as error:
+        raise UsageError(f"{path}: {error.text}") from error
+    except (TypeError, ValueError) as error:
         raise UsageError(f"{path}: is no trajectory file of JuPedSim: {error}") from error
-    finally:
-        connection.close()
 
 
 def _bag(path: Path, content: bytes, fps: float | None) -> list[Row]:

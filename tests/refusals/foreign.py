@@ -126,6 +126,18 @@ def _database(statement: str, *values: object) -> bytes:
     return content
 
 
+def _endless_view() -> bytes:
+    connection = sqlite3.connect(":memory:")
+    connection.execute(
+        "CREATE VIEW geometry AS WITH RECURSIVE n(k) AS (SELECT 1 UNION ALL SELECT k + 1 FROM n) "
+        "SELECT count(*) AS wkt FROM n"
+    )
+    connection.commit()
+    content = connection.serialize()
+    connection.close()
+    return content
+
+
 def _wkt(text: str) -> bytes:
     return text.encode()
 
@@ -302,6 +314,7 @@ DATABASES: dict[str, Content] = {
     "deep geometry": _database(
         "INSERT INTO geometry VALUES (1, ?)", "GEOMETRYCOLLECTION (" * 10_000
     ),
+    "endless view": _endless_view,
     "other tables": _database("ALTER TABLE geometry RENAME TO other"),
 }
 DRAWINGS: dict[str, Content] = {

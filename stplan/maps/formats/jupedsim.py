@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sqlite3
 from dataclasses import replace
 from typing import Any
 
@@ -20,6 +19,7 @@ from stplan.maps.formats.drawing import (
     repaired,
 )
 from stplan.maps.formats.json_tree import read_json_tree, ring
+from stplan.maps.formats.sqlite_file import query
 from stplan.maps.formats.wkt import drawing_of, wkt_shapes
 
 # Where a scenario keeps its geometry, by any of these names.
@@ -37,14 +37,7 @@ _GROUPS = ("distributions", "exits")
 def read_database(file: FileContent, options: FileOptions, beside: Beside) -> Drawing:
     """The first geometry of a trajectory file."""
     del options, beside
-    connection = sqlite3.connect(":memory:")
-    try:
-        connection.deserialize(file.content)
-        rows = connection.execute("SELECT wkt FROM geometry LIMIT 2").fetchall()
-    except (sqlite3.Error, OverflowError) as error:
-        raise FormatError(f"is no trajectory file of JuPedSim: {error}") from error
-    finally:
-        connection.close()
+    (rows,) = query(file.content, ["SELECT wkt FROM geometry LIMIT 2"])
     if not rows or not isinstance(rows[0][0], str):
         raise FormatError("holds no geometry")
     drawing = drawing_of(wkt_shapes(rows[0][0]))
