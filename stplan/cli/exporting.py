@@ -69,6 +69,8 @@ def export(
 
     if form not in EXPORTS:
         raise UsageError(f"--format: {form!r} is none of {', '.join(EXPORTS)}")
+    if (dt is not None or fps is not None) and not EXPORTS[form].sampled:
+        raise UsageError(f"--format {form} holds the run as planned, without --dt or --fps")
     if dt is not None and fps is not None:
         raise UsageError("--dt and --fps say the same; one of them is expected")
     for name, value in (("--fps", fps), ("--dt", dt), ("--smoothing", smoothing), ("--pace", pace)):

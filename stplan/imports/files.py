@@ -9,6 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import shapely
+
 from stplan.analysis.paths import path_length
 from stplan.errors import UsageError
 from stplan.imports.draft import SceneDraft, free_space_of, identifiers, scene_name
@@ -58,6 +60,9 @@ def draft_of_files(
     free_space = None
     if read.map_file is not None:
         tree = map_keys(read.map_file, options, folder)
+        if read.obstacles:
+            rings = [shapely.get_coordinates(one.exterior)[:-1].tolist() for one in read.obstacles]
+            tree["obstacles"] = [{"polygon": ring} for ring in rings]
         free_space, notes = free_space_of(tree, folder)
         read.notes += [f"{read.map_file.name} {note}" for note in notes]
     agents = people(read, free_space, crowd)
@@ -90,16 +95,27 @@ def _read(paths: Sequence[Path], options: FileOptions) -> ReadFiles:
         if path.suffix.lower() == ".scen" and len(paths) == 1 and name and beside.is_file():
             drawings.insert(0, (beside, _drawing(beside, options)))
     maps = [k for k, (_, one) in enumerate(drawings) if one.has_map or one.margin is not None]
+    floors = [k for k in maps if drawings[k][1].floors or drawings[k][1].margin is not None]
+    if len(floors) == 1:
+        # Others may add obstacles to its floor.
+        maps = floors + [k for k in maps if k not in floors and drawings[k][1].walls]
     if len(maps) > 1:
         named = ", ".join(str(drawings[k][0]) for k in maps)
         raise UsageError(f"{named}: several maps; one with the agents for it is expected")
     base = drawings[maps[0]][1] if maps else drawings[0][1]
+    others = [one for _, one in drawings if one is not base]
     merged = base
-    for _, other in drawings:
-        if other is not base:
-            merged = _joined(merged, other)
-    result = moved(merged, options, bounds_of(base))
-    return ReadFiles(result, drawings[maps[0]][0] if maps else None)
+    for other in others:
+        merged = _joined(merged, other)
+    box = bounds_of(base)
+    more = Drawing(
+        blocked=tuple(shape for other in others for shape in other.blocked), unit=base.unit
+    )
+    return ReadFiles(
+        moved(merged, options, box),
+        drawings[maps[0]][0] if maps else None,
+        moved(more, options, box).blocked,
+    )
 
 
 def _joined(base: Drawing, other: Drawing) -> Drawing:

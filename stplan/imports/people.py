@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -42,10 +43,17 @@ class CrowdOptions:
 
 @dataclass
 class ReadFiles:
-    """Everything that the files hold together."""
+    """Everything that the files hold together.
+
+    Attributes:
+        drawing: in m.
+        map_file: the one with the floor or walls.
+        obstacles: polygons that others add to it, m.
+    """
 
     drawing: Drawing
     map_file: Path | None
+    obstacles: tuple[Any, ...] = ()
     notes: list[str] = field(default_factory=list)
 
 

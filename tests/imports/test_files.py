@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,16 @@ from stplan.maps.formats.drawing import FileOptions
 from stplan.scene import parse_scene
 from stplan.scene.model import Scene
 from stplan.world import fitted_free_space
-from tests.maps.formats.samples import building, ccbs, mappit, menge, movingai, vadere
+from tests.maps.formats.samples import (
+    ROOMS,
+    building,
+    ccbs,
+    jupedsim,
+    mappit,
+    menge,
+    movingai,
+    vadere,
+)
 
 SCEN = "version 1\n" + "".join(
     f"0\trooms.map\t12\t8\t{x}\t{y}\t{11 - x}\t{y}\t9.5\n"
@@ -77,6 +87,16 @@ def test_sources_and_targets_hold_their_agents(tmp_path: Path) -> None:
     assert other.agents[0].start != scene.agents[0].start
     again, _ = made(tmp_path, ["rooms.scenario"])
     assert again == scene
+
+
+def test_a_scenario_of_jupedsim_is_put_on_a_map_of_its_own(tmp_path: Path) -> None:
+    tree = json.loads((tmp_path / jupedsim(tmp_path)).read_text())
+    (tmp_path / "geometry.wkt").write_text(tree.pop("walkable_area_wkt"))
+    (tmp_path / "config.json").write_text(json.dumps(tree))
+    scene, _ = made(tmp_path, ["config.json", "geometry.wkt"])
+    assert len(scene.agents) == 10
+    assert all(agent.goal[0] > 10 for agent in scene.agents)
+    assert fitted_free_space(scene).area.equals(ROOMS)
 
 
 def test_agents_are_placed_between_named_regions(tmp_path: Path) -> None:

@@ -47,7 +47,10 @@ def read_database(file: FileContent, options: FileOptions, beside: Beside) -> Dr
 
 
 def read_scenario(file: FileContent, options: FileOptions, beside: Beside) -> Drawing:
-    """The walkable area less obstacles, distributions as sources and exits as goals."""
+    """The walkable area less obstacles, distributions as sources and exits as goals.
+
+    An area that is kept in a file of its own is imported beside it.
+    """
     del options, beside
     tree = read_json_tree(file.content)
     floors, notes = repaired(_area(tree), "polygons")
@@ -105,7 +108,7 @@ def _area(tree: dict[str, Any]) -> list[Any]:
             return wkt_shapes(found)
         if isinstance(found, list | dict):
             return [_polygon(found, key)]
-    raise FormatError(f"holds no walkable area under any of {', '.join(_AREAS)}")
+    return []
 
 
 def _polygon(entry: Any, path: str) -> Any:
