@@ -73,6 +73,25 @@ def enclosed(ring: FloatArray, rule: Rule) -> Enclosed:
     return Enclosed(area, tuple(faults) or ("touches itself",))
 
 
+def whole_shape(shape: shapely.Geometry, *, blocked: bool) -> Enclosed:
+    """A polygon, or several, with rings that may not be simple, and their holes.
+
+    Args:
+        blocked: whether the shape is in the way: its rings are then read by the nonzero rule, and its
+            holes, where one could go, by the even-odd rule; the other way round where it is floor.
+    """
+    outer, inner = (nonzero, even_odd) if blocked else (even_odd, nonzero)
+    areas, faults = [], []
+    for part in shapely.get_parts(shape):
+        if not isinstance(part, shapely.Polygon) or part.is_empty:
+            continue
+        base = enclosed(shapely.get_coordinates(part.exterior)[:-1], outer)
+        holes = [enclosed(shapely.get_coordinates(ring)[:-1], inner) for ring in part.interiors]
+        areas.append(shapely.difference(base.area, shapely.union_all([one.area for one in holes])))
+        faults += [fault for one in (base, *holes) for fault in one.faults]
+    return Enclosed(shapely.union_all(areas), tuple(faults))
+
+
 def _winding(ring: FloatArray, points: FloatArray) -> IntArray:
     """How many times `ring` (n, 2) goes around each of `points` (P, 2) off it, counterclockwise."""
     tail, head = ring, np.roll(ring, -1, axis=0)

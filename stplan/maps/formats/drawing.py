@@ -16,6 +16,7 @@ from stplan.amounts import LARGEST
 from stplan.arrays import FloatArray, Point
 from stplan.errors import SceneError
 from stplan.maps.files import FileContent
+from stplan.maps.repair import whole_shape
 
 # A file has at most so many shapes, and so many corners in all of them.
 MOST_SHAPES = 500_000
@@ -231,10 +232,16 @@ def finite(value: Any, what: str, line: int | None = None) -> float:
     return number
 
 
-def repaired(shapes: Sequence[Any], what: str) -> tuple[tuple[Any, ...], tuple[str, ...]]:
+def repaired(
+    shapes: Sequence[Any], what: str, *, blocked: bool = False
+) -> tuple[tuple[Any, ...], tuple[str, ...]]:
     """Polygons made valid, those without area left out, and a note where that changed any.
 
-    Rings that touch or cross themselves keep what they enclose; holes stay holes.
+    What is in doubt is not free, as `stplan.maps.repair` has it.
+
+    Args:
+        what: they are, for messages.
+        blocked: whether they are in the way; else they are floor.
     """
     array = np.array(list(shapes), dtype=object)
     if not len(array):
@@ -246,8 +253,10 @@ def repaired(shapes: Sequence[Any], what: str) -> tuple[tuple[Any, ...], tuple[s
     bad = ~shapely.is_valid(array)
     notes = []
     if bad.any():
-        array[bad] = shapely.make_valid(array[bad], method="structure", keep_collapsed=False)
-        notes.append(f"{int(bad.sum())} {what} crossed or touched themselves and were mended")
+        whole = [whole_shape(shape, blocked=blocked) for shape in array[bad]]
+        array[bad] = [one.area for one in whole]
+        fault = next((one.faults[0] for one in whole if one.faults), "has holes that meet its edge")
+        notes.append(f"{int(bad.sum())} {what} were mended, of which the first {fault}")
     parts = shapely.get_parts(array)
     parts = parts[shapely.get_type_id(parts) == shapely.GeometryType.POLYGON]
     return tuple(parts[shapely.area(parts) > 0]), tuple(notes)

@@ -82,7 +82,7 @@ def read_dxf(file: FileContent, options: FileOptions, beside: Beside) -> Drawing
     if unit is None and options.scale is None:
         notes.append("has no unit: metres are taken (map.scale says another, such as 0.001)")
     floors, mended = repaired(reader.floors, "floors")
-    blocked, more = repaired(reader.blocked, "shapes")
+    blocked, more = repaired(reader.blocked, "shapes", blocked=True)
     return Drawing(
         floors=floors, blocked=blocked, walls=tuple(reader.walls), unit=unit or 1.0,
         names=tuple(reader.layers), notes=(*notes, *mended, *more),

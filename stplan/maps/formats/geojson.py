@@ -71,7 +71,7 @@ def read_geojson(file: FileContent, options: FileOptions, beside: Beside) -> Dra
         else:
             (floors if is_floor else blocked).append(shape)
     mended, notes = repaired(floors, "polygons")
-    cut, more = repaired(blocked, "obstacles")
+    cut, more = repaired(blocked, "obstacles", blocked=True)
     if left:
         more += (f"{left} shapes of other kinds were left out",)
     drawing = Drawing(

@@ -59,7 +59,7 @@ def read_ifc(file: FileContent, options: FileOptions, beside: Beside) -> Drawing
     except Exception as error:  # shapes of a damaged file may raise anything at all
         raise FormatError("has shapes that cannot be made") from error
     whole, notes = repaired(floors, "slabs")
-    solid, more = repaired(blocked, "walls")
+    solid, more = repaired(blocked, "walls", blocked=True)
     if len(names) > 1 and options.level is None:
         more += (
             f"is read on the storey {chosen}; map.level chooses among the others: {', '.join(names[1:20])}",

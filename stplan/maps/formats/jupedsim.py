@@ -95,7 +95,7 @@ def read_scenario(file: FileContent, options: FileOptions, beside: Beside) -> Dr
             obstacles.items() if isinstance(obstacles, dict) else enumerate(obstacles or ())
         )
     ]
-    cut, more = repaired(blocked, "obstacles")
+    cut, more = repaired(blocked, "obstacles", blocked=True)
     return Drawing(
         floors=floors, blocked=cut, regions=regions, flows=tuple(flows), notes=notes + more
     )

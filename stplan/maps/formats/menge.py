@@ -55,7 +55,7 @@ def read_scene(file: FileContent, options: FileOptions, beside: Beside) -> Drawi
         else:
             outlines.append(shapely.Polygon(corners))
     agents = _agents(root)
-    solid, notes = repaired(blocked, "obstacles")
+    solid, notes = repaired(blocked, "obstacles", blocked=True)
     floors, more = repaired(outlines, "outlines")
     everything = [
         *solid,

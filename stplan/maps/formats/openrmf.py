@@ -41,7 +41,7 @@ def read_building(file: FileContent, options: FileOptions, beside: Beside) -> Dr
         raise FormatError(f"has no level {name!r}; it has: {known or 'none'}")
     level = _Level(name, levels[name], metric=_metric(tree))
     floors, notes = repaired(level.areas("floors"), "floors")
-    holes, more = repaired(level.areas("holes"), "holes")
+    holes, more = repaired(level.areas("holes"), "holes", blocked=True)
     doors = level.lines("doors")
     walls = level.lines("walls") + ([] if options.doors else doors)
     for key, what in (

@@ -248,7 +248,7 @@ class _Painter:
             floors, mended = repaired(self.floors, "floors")
             if self.floor and not floors:
                 raise FormatError(f"has no shape named {', '.join(sorted(self.floor))}")
-            blocked, more = repaired(self.blocked, "shapes")
+            blocked, more = repaired(self.blocked, "shapes", blocked=True)
             return Drawing(
                 floors=floors, blocked=blocked, walls=tuple(self.walls), names=tuple(self.names),
                 notes=(*notes, *mended, *more),

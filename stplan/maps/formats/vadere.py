@@ -46,7 +46,7 @@ def read_scenario(file: FileContent, options: FileOptions, beside: Beside) -> Dr
             _shape(_member(obstacle, "shape", f"{path}obstacles[{k}]"), f"{path}obstacles[{k}].shape")
             for k, obstacle in enumerate(members(topography, "obstacles", path))
         ],
-        "obstacles",
+        "obstacles", blocked=True,
     )  # fmt: skip
     if floor.is_empty:
         raise FormatError(f"{path}attributes.bounds leave no room inside their frame")

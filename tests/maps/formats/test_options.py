@@ -12,6 +12,7 @@ import shapely
 from PIL import Image
 
 from stplan.errors import SceneError
+from stplan.maps.formats.drawing import repaired
 from stplan.world import build_free_space
 from tests.maps.formats.samples import ROOMS, SAMPLES, building, dxf, movingai, occupancy
 from tests.world.scenes import scene
@@ -140,4 +141,22 @@ def test_dirty_polygons_are_mended_with_a_note(tmp_path: Path) -> None:
     floor = scene("{file: bow.wkt}", folder=tmp_path).map.base.floor()
     assert floor.area.is_valid
     assert floor.area.area == 8
-    assert any("mended" in note.text for note in floor.notes)
+    assert any(
+        "1 polygons were mended, of which the first touches or crosses itself at (2, 2)"
+        in note.text
+        for note in floor.notes
+    )
+
+
+def test_what_is_in_doubt_in_a_file_is_not_free() -> None:
+    # A square that goes around the middle of it twice.
+    twice = shapely.Polygon([(0, 0), (6, 0), (6, 4), (3, 4), (3, 1), (5, 1), (5, 5), (0, 5)])
+    frame = shapely.box(-9, -9, 20, 20).exterior
+    room = shapely.Polygon(frame, [twice.exterior])
+    floor, wall, hall, block = (
+        sum(part.area for part in repaired([shape], "shapes", blocked=blocked)[0])
+        for shape in (twice, room)
+        for blocked in (False, True)
+    )
+    assert (floor, wall) == (23, 29)
+    assert (841 - hall, 841 - block) == (29, 23)
