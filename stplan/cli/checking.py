@@ -205,7 +205,7 @@ def explain(
         status = 0 if plannable else 3
     else:
         report = None if trajectories else read_report(run_or_scene / REPORT)
-        explanation, certificate = explain_run(scene, lines, report)
+        explanation, certificate = explain_run(scene, lines, report, progress=console.progress)
         status = 0 if certificate.holds else 1
     console.result(*explanation.lines(everything=everything))
     console.result_json({"exit_status": status, **explanation.as_dict()})

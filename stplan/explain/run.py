@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from stplan.analysis.cost_bound import cost_bound
 from stplan.analysis.crowd import Crowd
 from stplan.analysis.detours import ways_alone
@@ -15,22 +17,29 @@ from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
 from stplan.wording import count
-from stplan.world import fitted_free_space
+from stplan.world import fitted_free_space, warnings_of
 
 
 def explain_run(
-    scene: Scene, lines: WorldLines, report: RecordedReport | None = None
+    scene: Scene,
+    lines: WorldLines,
+    report: RecordedReport | None = None,
+    *,
+    progress: Callable[[str], None] = lambda line: None,
 ) -> tuple[Explanation, Certificate]:
     """What `lines` (in any order of agents) look like, and their certificate.
 
     Args:
         report: what report.json says of them, where they are those of a run.
+        progress: called with what there is to know about the map.
 
     Raises:
         SceneError: the scene does not fit its map.
     """
     scene = ending_as(scene, lines)
     problem = PlanningProblem.from_scene(scene, fitted_free_space(scene))
+    for line in warnings_of(scene, problem.free_space):
+        progress(line)
     certificate = certify(scene, problem.free_space, lines)
     verdict = "holds" if certificate.holds else "IS BROKEN"
     headline = f"{scene.name}: {count(len(scene.agents), 'agent')}, the certificate {verdict}."

@@ -40,6 +40,7 @@ def test_every_command_says_it(folder: Path, run) -> None:
         assert line.startswith(HEAD)
     result = run("check", "wedge.yaml", "outputs/wedge/trajectories.csv")
     assert (result.status, len(warnings(result.err))) == (0, 1)
+    assert len(warnings(run("explain", "outputs/wedge").err)) == 1
     report = json.loads((folder / "outputs" / "wedge" / "report.json").read_text())
     (note,) = report["notes"]
     assert f"warning: wedge.yaml:3:24: {note}" == line
