@@ -33,6 +33,7 @@ from stplan.seeding.registry import SEEDERS
 from stplan.seeding.remedies import remedies
 from stplan.seeding.rendezvous import Rendezvous, with_rendezvous
 from stplan.seeding.search.emptying import Emptying
+from stplan.seeding.search.joint_search import JointSearch
 from stplan.seeding.search.least_cost import LeastCost
 from stplan.seeding.search.levels import Levels
 from stplan.seeding.search.mending import Mending
@@ -239,7 +240,9 @@ def prepare_portfolio(problem: PlanningProblem) -> Portfolio:
     many_radii = len(np.unique(problem.radii)) > FEW_RADII
     if many_radii or straight_ways_are_clear(problem):
         relaxation = MendedRelaxation(Relaxation(problem, OPEN_SWEEPS), Mending(levels))
-        return Portfolio(problem, rendezvous, required, (relaxation, Search(levels)))
+        return Portfolio(
+            problem, rendezvous, required, (relaxation, JointSearch(levels), Search(levels))
+        )
     seeders, rivals = _tight_seeders(levels)
     return Portfolio(problem, rendezvous, required, seeders, rivals, levels)
 
@@ -274,6 +277,7 @@ def _tight_seeders(levels: Levels) -> tuple[tuple[Seeder, ...], tuple[Rival, ...
     seeders = (
         Emptying(levels),
         Search(levels, (SOON_EFFORT, SOON_EFFORT)),
+        JointSearch(levels),
         MendedRelaxation(relaxation, Mending(levels)),
         Search(levels, (SOON_EFFORT + 1, MOST_EFFORT)),
     )

@@ -19,6 +19,7 @@ from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.compiled import inlined, kernel
 from stplan.geometry.growable import with_room
 from stplan.problem.clearance import rod_clearances
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.seeding.search.graph import UNREACHABLE, Graph
 from stplan.seeding.search.heap import drop_root, push
 from stplan.seeding.search.planner import LayeredPlanner
@@ -64,7 +65,9 @@ def plan_jointly(
             together = len(np.unique(problem.start_times[list(group)])) == 1
             stay = bool(problem.stays[list(group)].all())
             return Joint(None, exhausted and widening == WIDENINGS[0] and together and stay)
-        curves = _with_others(planner, group, _timed(planner, group, steps), rng)
+        curves = _with_others(
+            planner, group, timed_curves(planner.problem, planner.graph, group, steps), rng
+        )
         if curves is not None:
             return Joint(curves)
     return Joint(None)
@@ -101,9 +104,10 @@ def _joint_steps(
     return (steps if len(steps) > 1 else None), exhausted
 
 
-def _timed(planner: LayeredPlanner, group: Sequence[int], steps: IntArray) -> dict[int, FloatArray]:
-    """Curves of the group, its steps spread over the time that all of it has."""
-    problem = planner.problem
+def timed_curves(
+    problem: PlanningProblem, graph: Graph, group: Sequence[int], steps: IntArray
+) -> dict[int, FloatArray]:
+    """Curves of the group from its vertices after every step (n + 1, G), over the time that all of it has."""
     begin = max(float(problem.start_times[agent]) for agent in group)
     end = min(float(problem.max_times[agent]) for agent in group)
     times = np.linspace(begin, end, len(steps))
@@ -111,7 +115,7 @@ def _timed(planner: LayeredPlanner, group: Sequence[int], steps: IntArray) -> di
     for column, agent in enumerate(group):
         path = steps[:, column]
         arrival = max(int(np.flatnonzero(path != path[-1]).max(initial=0)) + 1, 1)
-        knots = np.column_stack([planner.graph.vertices[path], times])[: arrival + 1]
+        knots = np.column_stack([graph.vertices[path], times])[: arrival + 1]
         path = path[: arrival + 1]
         kept = np.ones(len(path), dtype=bool)
         kept[1:-1] = (path[1:-1] != path[:-2]) | (path[1:-1] != path[2:])
