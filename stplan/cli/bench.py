@@ -19,7 +19,7 @@ Full = Annotated[bool, typer.Option("--full", help="All sizes, scenes and draws:
 TimeLimit = Annotated[float | None, typer.Option(min=0.1, help="Seconds a run may take.")]
 
 FOLDER = Path("outputs/bench")
-_NO_JSON = ("as_json",)
+NO_JSON = ("as_json",)
 
 benchmarks = group(
     name="bench", help="Measure the planner on generated scenes.", no_args_is_help=True
@@ -37,7 +37,7 @@ def _benchmarks() -> None:
     """
 
 
-@command(benchmarks, "all", without=_NO_JSON)
+@command(benchmarks, "all", without=NO_JSON)
 def everything(console: Console, *, output: Output = FOLDER, full: Full = False) -> int:
     """Run every benchmark, and describe the machine.
 
@@ -66,7 +66,7 @@ def everything(console: Console, *, output: Output = FOLDER, full: Full = False)
     return convergence(console, output=output, full=full)
 
 
-@command(benchmarks, without=_NO_JSON)
+@command(benchmarks, without=NO_JSON)
 def startup(
     console: Console,
     *,
@@ -97,7 +97,7 @@ def startup(
     return finish(console, output, startup.files(timed))
 
 
-@command(benchmarks, without=_NO_JSON)
+@command(benchmarks, without=NO_JSON)
 def comparison(
     console: Console,
     *,
@@ -120,7 +120,7 @@ def comparison(
     """
     from stplan.bench import comparison, comparison_table
 
-    outcomes = comparison.compare_planners(scenes, _names(only), progress=console.progress)
+    outcomes = comparison.compare_planners(scenes, names_in(only), progress=console.progress)
     contents = {
         "comparison.csv": comparison_table.csv_text(outcomes).encode(),
         "comparison.md": comparison_table.markdown_text(outcomes).encode(),
@@ -128,7 +128,7 @@ def comparison(
     return finish(console, output, contents)
 
 
-@command(benchmarks, without=_NO_JSON)
+@command(benchmarks, without=NO_JSON)
 def figures(
     console: Console,
     *,
@@ -150,12 +150,12 @@ def figures(
     """
     from stplan.bench import figures, figures_table
 
-    chosen = figures.chosen_cases(_names(only), full=full)
+    chosen = figures.chosen_cases(names_in(only), full=full)
     measured = figures.measure(chosen, progress=console.progress)
     return finish(console, output, figures_table.files(chosen, measured))
 
 
-@command(benchmarks, without=_NO_JSON)
+@command(benchmarks, without=NO_JSON)
 def agents(console: Console, *, output: Output = FOLDER, full: Full = False) -> int:
     """Time of an iteration over agents.
 
@@ -168,7 +168,7 @@ def agents(console: Console, *, output: Output = FOLDER, full: Full = False) -> 
     return _sweep(console, "agents", output=output, full=full)
 
 
-@command(benchmarks, without=_NO_JSON)
+@command(benchmarks, without=NO_JSON)
 def knots(console: Console, *, output: Output = FOLDER, full: Full = False) -> int:
     """Time of an iteration over knots per agent.
 
@@ -179,7 +179,7 @@ def knots(console: Console, *, output: Output = FOLDER, full: Full = False) -> i
     return _sweep(console, "knots", output=output, full=full)
 
 
-@command(benchmarks, without=_NO_JSON)
+@command(benchmarks, without=NO_JSON)
 def walls(console: Console, *, output: Output = FOLDER, full: Full = False) -> int:
     """Time of an iteration over edges of walls.
 
@@ -192,7 +192,7 @@ def walls(console: Console, *, output: Output = FOLDER, full: Full = False) -> i
     return _sweep(console, "walls", output=output, full=full)
 
 
-@command(benchmarks, without=_NO_JSON)
+@command(benchmarks, without=NO_JSON)
 def convergence(
     console: Console,
     scenes: Annotated[
@@ -226,13 +226,13 @@ def convergence(
     outcomes = convergence.measure(
         convergence.shipped_scenes(scenes or [], full=full),
         time_limit or (convergence.FULL_SECONDS if full else convergence.SMALL_SECONDS),
-        convergence.chosen_variants(_names(variants)),
+        convergence.chosen_variants(names_in(variants)),
         progress=console.progress,
     )
     return finish(console, output, convergence_table.files(outcomes))
 
 
-@command(benchmarks, without=_NO_JSON)
+@command(benchmarks, without=NO_JSON)
 def rival(
     console: Console, *, output: Output = FOLDER, time_limit: TimeLimit = None, full: Full = False
 ) -> int:
@@ -258,7 +258,7 @@ def rival(
     return finish(console, output, rival_table.files(duels))
 
 
-@command(benchmarks, without=_NO_JSON)
+@command(benchmarks, without=NO_JSON)
 def batch(
     console: Console,
     *,
@@ -277,7 +277,7 @@ def batch(
     return finish(console, output, batches.files(measured))
 
 
-@command(benchmarks, without=_NO_JSON)
+@command(benchmarks, without=NO_JSON)
 def seeding(
     console: Console,
     *,
@@ -310,7 +310,7 @@ def seeding(
     from stplan.bench import seeding, seeding_table
 
     measurements = seeding.measure(
-        seeding.chosen_families(_names(families), full=full),
+        seeding.chosen_families(names_in(families), full=full),
         draws or (seeding.FULL_DRAWS if full else seeding.SMALL_DRAWS),
         time_limit or (seeding.FULL_LIMIT if full else seeding.SMALL_LIMIT),
         progress=console.progress,
@@ -318,7 +318,7 @@ def seeding(
     return finish(console, output, seeding_table.files(measurements))
 
 
-@command(benchmarks, without=_NO_JSON)
+@command(benchmarks, without=NO_JSON)
 def quality(
     console: Console,
     *,
@@ -353,7 +353,7 @@ def quality(
     from stplan.bench import quality, quality_table
     from stplan.files.atomic import write_set
 
-    files = quality.chosen_scenes(scenes, _names(only), full=full)
+    files = quality.chosen_scenes(scenes, names_in(only), full=full)
     known = ledgers.read_ledger(ledger)
     measured = quality.measure(
         files,
@@ -368,7 +368,7 @@ def quality(
     return finish(console, output, quality_table.files(known, measured))
 
 
-@command(benchmarks, without=_NO_JSON)
+@command(benchmarks, without=NO_JSON)
 def paper(
     console: Console,
     *,
@@ -394,7 +394,7 @@ def paper(
     from stplan.bench.plots import require_matplotlib
 
     require_matplotlib()
-    files = paper.chosen_scenes(scenes, _names(only), full=full)
+    files = paper.chosen_scenes(scenes, names_in(only), full=full)
     seconds = time_limit or (paper.FULL_SECONDS if full else paper.SMALL_SECONDS)
     compared = paper.compare(files, seconds, progress=console.progress)
     timings = paper.time_iterations(full=full, progress=console.progress)
@@ -424,6 +424,6 @@ def finish(console: Console, output: Path, contents: Mapping[str, bytes]) -> int
     return 0
 
 
-def _names(text: str) -> list[str]:
+def names_in(text: str) -> list[str]:
     """The names in `A,B`."""
     return [name.strip() for name in text.split(",") if name.strip()]

@@ -33,7 +33,10 @@ from stplan.scene.places import Place
 # Spots keep so many times the radius from walls, where a place has such.
 OFF_WALLS = (1.05, 1.01, 1.0 + 1e-6)
 # Spots of staying agents are so many times as far apart as they have to be; the first that leaves enough.
-APART = (1.1, 1.05, 1.01)
+# From twice on others pass between any two of them.
+APART = (2.1, 1.6, 1.3, 1.1, 1.05, 1.01)
+# Spots along an exit.
+ABREAST = 1.1
 # Spots of an area are at most so many for every agent that ends there, and so many more.
 SPOTS_AN_AGENT, MORE_SPOTS = 8, 60
 # Where lengths of assignments differ by less than this share, even lengths are better than uneven ones.
@@ -67,6 +70,17 @@ def settle_goals(problem: PlanningProblem) -> PlanningProblem:
     if leaving:
         goals |= _settle_leaving(problem, leaving)
     return with_goals(problem, goals)
+
+
+def least_assignment(scene: Scene) -> float:
+    """The least sum of straight lengths from starts to the points to be assigned, of all crowds, m."""
+    total = 0.0
+    for assignment in scene.assignments:
+        starts = np.array([scene.agents[a].start for a in assignment.members])
+        step = starts[:, None] - np.array(assignment.points)[None]
+        lengths = np.hypot(*step.transpose(2, 0, 1))
+        total += float(lengths[linear_sum_assignment(lengths)].sum())
+    return total
 
 
 def with_goals(problem: PlanningProblem, goals: dict[int, tuple[float, float]]) -> PlanningProblem:
@@ -127,7 +141,7 @@ def _settle_leaving(problem: PlanningProblem, members: list[int]) -> dict[int, t
     """Spots for those who vanish: everybody takes, nearest first, the one it could leave by first."""
     halves = PairSettings(problem.scene).half_distances()
     widest = 2.0 * float(halves[members].max())
-    points, allowed = _spots(problem, members, APART[0] * widest)
+    points, allowed = _spots(problem, members, ABREAST * widest)
     lengths = np.where(allowed, _lengths(problem, members, points), FAR)
     nearest = lengths.min(axis=1)
     spans = (problem.max_times - problem.start_times)[members]

@@ -57,6 +57,8 @@ FEW_RADII = 3
 MENDED_PART, MENDED_PAIRS = 0.1, 4
 # Starts of relaxation as a rival in tight spaces: they are quick, and differ little.
 RELAXATION_STARTS = 3
+# In larger crowds between walls rivals hardly ever find a way, and take half of the time to fail.
+MOST_COMPETING = 110
 # Preparing what was found may take this part of the time limit over it.
 PREPARATION_TIME = 0.1
 
@@ -281,6 +283,8 @@ def _tight_seeders(levels: Levels) -> tuple[tuple[Seeder, ...], tuple[Rival, ...
         MendedRelaxation(relaxation, Mending(levels)),
         Search(levels, (SOON_EFFORT + 1, MOST_EFFORT)),
     )
+    if levels.problem.num_agents > MOST_COMPETING:
+        return seeders, ()
     return seeders, (
         Rival(least_cost, least_cost.worthwhile_starts, patience=2),
         # Its starts differ little, and the first one has to find everybody's shortest way.

@@ -67,7 +67,7 @@ class Emptying:
 def _empty(planner: LayeredPlanner, budget: Budget) -> tuple[list[FloatArray] | None, int]:
     """Curves of all agents, None where somebody finds none; and how many ways were sought."""
     planner.reset()
-    left = sorted(planner.movers, key=lambda agent: int(planner.journeys.distance[agent]))
+    left = _turns(planner)
     guards = {agent: planner.guard(agent, planner.grid.count) for agent in left}
     for blocks in guards.values():
         planner.add(blocks)
@@ -89,3 +89,25 @@ def _empty(planner: LayeredPlanner, budget: Budget) -> tuple[list[FloatArray] | 
         else:
             return None, tries
     return curves, tries
+
+
+def _turns(planner: LayeredPlanner) -> list[int]:
+    """All agents in the order of their turns: nearest first.
+
+    Where some stay in places, those who vanish come before them, and of those who stay the ones with spots
+    furthest from where anybody of them starts come first: nobody stands in the way to a spot behind its own.
+    """
+    problem, distance = planner.problem, planner.journeys.distance
+    filling = [
+        agent
+        for agent in planner.movers
+        if problem.stays[agent] and problem.scene.agents[agent].goal_places
+    ]
+    nearest = {agent: int(distance[agent]) for agent in planner.movers}
+    others = [agent for agent in planner.movers if agent not in filling]
+    first = sorted(others, key=nearest.__getitem__)
+    if not filling:
+        return first
+    step = problem.goals[filling, None] - problem.starts[None, filling]
+    depth = np.hypot(step[:, :, 0], step[:, :, 1]).min(axis=1)
+    return first + [filling[k] for k in np.argsort(-depth, kind="stable")]

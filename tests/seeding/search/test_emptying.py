@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from stplan.bench.families_crowds import exchange
 from stplan.planner import prepare
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.verification import verify
@@ -56,3 +57,12 @@ def test_an_exchange_is_given_up_soon() -> None:
     found = Emptying(Levels(prepare(parse_scene(text)))).attempt(Budget())
     assert not found.clear
     assert found.tries <= 2 * 3 * 3
+
+
+def test_those_who_leave_go_before_those_who_stay() -> None:
+    problem = prepare(exchange(24, 0))
+    found = Emptying(Levels(problem)).attempt(Budget())
+    assert found.clear
+    assert not verify(problem, found.curves)
+    # One way was sought for everybody: turns were in the right order.
+    assert found.tries == 24
