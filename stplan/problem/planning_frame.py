@@ -4,8 +4,8 @@ Whoever writes a scene chooses where its origin lies, which way the axes point a
 masses are measured in. A plan should not depend on it. So every scene is planned in a frame of its own:
 
 - the origin is where the longest trip starts, the clock begins with the first agent;
-- the axes lie along the walls, as near as that is to the direction of the longest trip, and along that trip
-  where walls have no direction of their own;
+- the axes lie along the longest trip in the open, and else along or across most of the walls, as near to
+  the longest trip as that is;
 - the units of length and time are such that the median radius is the default one and the median speed that of
   a stroll, so that all tolerances mean what they mean to people; the unit of mass is the geometric mean.
 
@@ -37,9 +37,8 @@ GRID = 2.0**-40
 DIGITS = 15
 # Trips and angles (rad) that differ by less than this share count as equal.
 EQUAL = 1e-6
-# Walls have a direction where the sum of their lengths, as vectors at four times their angle, comes to this
-# share of their length.
-DIRECTED = 0.05
+# Directions of walls (rad) this near to each other are one.
+PARALLEL = 1e-5
 # Corners this far off the line through their neighbours are none: units of the grid, and of the scene's
 # own rounding.
 STRAIGHT_GRIDS, STRAIGHT_ROUNDINGS = 16.0, 8.0
@@ -160,17 +159,21 @@ def _on_grid(values: FloatArray) -> FloatArray:
 
 
 def _turn_to_walls(segments: FloatArray, angle: float) -> float:
-    """From `angle` (rad) to the nearest direction along or across the walls `segments` (E, 4).
+    """From `angle` (rad) to the nearest direction along or across most of the walls `segments` (E, 4).
 
-    The direction of walls is that of the sum of their lengths as vectors at four times their angle, which
-    neither depends on how they are cut into edges, nor on which of them are parallel or at right angles.
+    Walls that are parallel or at right angles count together, however they are cut into edges. Of directions
+    that have as much of them the one nearest to `angle` is taken.
     """
     wall = (segments[:, 2] - segments[:, 0]) + 1j * (segments[:, 3] - segments[:, 1])
     length = np.abs(wall)
-    moment = complex((wall**4 / np.maximum(length, np.finfo(float).tiny) ** 3).sum())
-    if abs(moment) < DIRECTED * float(length.sum()):
-        return 0.0
+    wall, length = wall[length > 0.0], length[length > 0.0]
     quarter = 0.5 * np.pi
     # A trip half-way between two directions takes the same of them whatever rounding says.
     low = 0.5 * quarter + EQUAL
-    return float((np.angle(moment) / 4.0 - angle + low) % quarter - low)
+    turns = (np.angle(wall) - angle + low) % quarter - low
+    order = np.argsort(turns)
+    begins = np.flatnonzero(np.diff(turns[order], prepend=-np.inf) > PARALLEL)
+    total = np.add.reduceat(length[order], begins)
+    mean = np.add.reduceat((length * turns)[order], begins) / total
+    most = mean[total >= (1.0 - EQUAL) * total.max()]
+    return float(most[np.argmin(np.abs(most) + EQUAL * (most > 0.0))])
