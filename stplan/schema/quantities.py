@@ -23,6 +23,8 @@ from stplan.amounts import LARGEST
 
 # Lengths, masses and durations below this vanish beside any coordinate.
 SMALLEST = 1e-9
+# Weights beyond this are no weights.
+HEAVIEST = 1e24
 LONGEST_IDENTIFIER = 100
 MOST_POINTS = 1_000_000
 # Apart from white space: CSV, shell and `--set` give these a meaning of their own.
@@ -93,6 +95,9 @@ Positive = Annotated[float, Field(gt=0, le=LARGEST, allow_inf_nan=False), AfterV
 NotNegative = Annotated[float, Field(ge=0, le=LARGEST, allow_inf_nan=False)]
 # A factor that may be as small as it likes.
 Factor = Annotated[float, Field(gt=0, le=LARGEST, allow_inf_nan=False)]
+# Weights are as large as costs, and those of a plan in millimetres a million times as large.
+Weight = Annotated[float, Field(ge=0, le=HEAVIEST, allow_inf_nan=False)]
+BarrierWeight = Annotated[float, Field(gt=0, le=HEAVIEST, allow_inf_nan=False)]
 
 
 def _fixed(count: int, form: str) -> BeforeValidator:

@@ -18,6 +18,7 @@ from stplan.schema.quantities import (
     Or,
     Point,
     Positive,
+    Weight,
     expected,
 )
 
@@ -33,11 +34,11 @@ class WeightsFile(FileModel):
     """How much an agent minds each cost: the paper's K, all >= 0, without unit."""
 
     kinetic: Annotated[NotNegative | None, GIVEN] = key("K^K of the kinetic energy", 1.0)
-    acceleration: Annotated[NotNegative | None, GIVEN] = key("K^A of changes of velocity", 0.0)
-    arrival: Annotated[NotNegative | None, GIVEN] = key(
+    acceleration: Annotated[Weight | None, GIVEN] = key("K^A of changes of velocity", 0.0)
+    arrival: Annotated[Weight | None, GIVEN] = key(
         "K^T of arriving at another time than preferred_time", 0.0
     )
-    regularity: Annotated[float | Literal["auto"] | None, Or(NotNegative, "auto")] = key(
+    regularity: Annotated[float | Literal["auto"] | None, Or(Weight, "auto")] = key(
         "K^R of unevenly spaced knots; auto scales it by the seed's kinetic cost", "auto"
     )
     collision: Annotated[NotNegative | None, GIVEN] = key(

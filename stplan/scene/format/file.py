@@ -18,6 +18,7 @@ from stplan.schema.mapping import GIVEN as _GIVEN
 from stplan.schema.mapping import FileModel as _Model
 from stplan.schema.mapping import key as _key
 from stplan.schema.quantities import (
+    BarrierWeight,
     Factor,
     Identifier,
     Interval,
@@ -27,6 +28,7 @@ from stplan.schema.quantities import (
     Positive,
     Side,
     Version,
+    Weight,
 )
 
 FORMAT = 1
@@ -54,9 +56,7 @@ class PairSettingsFile(_Model):
     distance: Annotated[Positive | None, _GIVEN] = _key(
         "comfort distance of the centres, m, instead of the sum of the radii"
     )
-    grouping: Annotated[NotNegative | None, _GIVEN] = _key(
-        "K^G, above 0 it draws the pair together"
-    )
+    grouping: Annotated[Weight | None, _GIVEN] = _key("K^G, above 0 it draws the pair together")
     collision: Annotated[Factor | None, _GIVEN] = _key(
         "K^C of the pair, instead of the mean of both agents'"
     )
@@ -120,7 +120,7 @@ class SolverFile(_Model):
     starts: Annotated[int | Literal["auto"], Or(_STARTS, "auto")] = Field(
         "auto", description="initial curves to choose the cheapest from; auto: as effort asks"
     )
-    mu: Annotated[float | Literal["auto"], Or(Factor, "auto")] = Field(
+    mu: Annotated[float | Literal["auto"], Or(BarrierWeight, "auto")] = Field(
         "auto", description="first weight of the barriers; auto scales with the costs"
     )
     mu_decay: Annotated[float, Field(gt=0, le=1, allow_inf_nan=False)] = Field(
