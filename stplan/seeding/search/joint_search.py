@@ -48,6 +48,8 @@ DIAMETERS = (1.0, 0.7, 0.5)
 # Rounds over all roadmaps: searches from different random numbers on each, and the iterations of each.
 ROUNDS = ((2, 50_000), (1, 500_000), (1, 2_000_000))
 MOST_TRIES = 100
+# Longer ways are not worth making curves of: other random numbers find shorter ones.
+MOST_STEPS = 250
 # The clock is looked at every so many iterations.
 CHUNK = 10_000
 # Ends keep what they have; everybody else is kept this share further apart than has to be.
@@ -89,7 +91,7 @@ class JointSearch:
                     if curves is not None:
                         record = SeedRecord(margin=place.margin, tries=tries)
                         return SeedAttempt(self.name, curves, clear=True, record=record)
-                    if status == EXHAUSTED:
+                    if status == EXHAUSTED and place.company.following:
                         movers = range(problem.num_agents)
                         exhausted[number] = no_way_past(problem, movers, place.graph.num_vertices)
         reasons = exhausted[max(exhausted)] if exhausted else ()
@@ -121,7 +123,8 @@ class JointSearch:
                 journeys = Journeys(problem, roadmap.graph, roadmap.place_of, required)
                 if not journeys.stranded():
                     company = _company(problem, roadmap.graph, journeys)
-                    yield _Place(margin, required, roadmap.graph, company)
+                    for own in (company, company._replace(following=False)):
+                        yield _Place(margin, required, roadmap.graph, own)
 
 
 def _company(problem: PlanningProblem, graph: Graph, journeys: Journeys) -> Company:
@@ -137,7 +140,7 @@ def _company(problem: PlanningProblem, graph: Graph, journeys: Journeys) -> Comp
         [_lengths_to(graph, int(end), free) for end, free in zip(goal, journeys.free, strict=True)]
     )
     free = np.stack(journeys.free)
-    return Company(start, goal, to_go, free, apart, graph.vertices, graph.leaving)
+    return Company(start, goal, to_go, free, apart, graph.vertices, graph.leaving, following=True)
 
 
 def _lengths_to(graph: Graph, goal: int, free: BoolArray) -> FloatArray:
@@ -162,7 +165,10 @@ def _searched(
             break
     if status != FOUND:
         return status, None
-    steps = without_loops(place.graph, steps_found(memory), company.apart)
+    steps = steps_found(memory)
+    if len(steps) > MOST_STEPS:
+        return status, None
+    steps = without_loops(place.graph, steps, company.apart)
     begin, end = float(problem.start_times.max()), float(problem.max_times.min())
     group = range(problem.num_agents)
     timed = timed_curves(problem, place.graph, group, steps)

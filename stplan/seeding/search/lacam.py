@@ -7,7 +7,8 @@ first, and whoever stands in the way of a move is asked next, as in PIBT (Okumur
 what is not found when all is searched is not on the roadmap.
 
 Steps have no time of their own. In a step everybody moves along one edge at constant speed or waits, and
-keeps a distance from everybody else at equal times.
+keeps a distance from everybody else at equal times; or, where nobody may follow closely, from all that others
+pass in the step.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.compiled import inlined, inner, kernel
+from stplan.geometry.segments import plane_point, squared_distance
 from stplan.seeding.search.graph import MoveRows
 
 IndexArray = NDArray[np.int32]
@@ -46,6 +48,7 @@ class Company(NamedTuple):
         apart: (A, A) distances kept at equal times, m.
         vertices: (V, 2) places, m.
         leaving: moves that leave every vertex.
+        following: whether distances are kept at equal times only, so that one may follow another at once.
     """
 
     start: IntArray
@@ -55,6 +58,7 @@ class Company(NamedTuple):
     apart: FloatArray
     vertices: FloatArray
     leaving: MoveRows
+    following: bool
 
 
 class Memory(NamedTuple):
@@ -412,6 +416,12 @@ def _clear(
     if apart <= 0.0:
         return True
     places = company.vertices
+    if not company.following:
+        gap = squared_distance(
+            plane_point(places, a_from), plane_point(places, a_to),
+            plane_point(places, b_from), plane_point(places, b_to),
+        )  # fmt: skip
+        return gap > apart * apart
     x = places[a_from, 0] - places[b_from, 0]
     y = places[a_from, 1] - places[b_from, 1]
     dx = places[a_to, 0] - places[b_to, 0] - x

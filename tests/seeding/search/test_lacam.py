@@ -6,6 +6,7 @@ from itertools import pairwise, product
 
 import numpy as np
 import pytest
+import shapely
 
 from stplan.arrays import IntArray
 from stplan.seeding.search.graph import UNREACHABLE, Graph, make_graph
@@ -34,14 +35,16 @@ def lattice(name: str) -> Graph:
     )
 
 
-def company(graph: Graph, start: IntArray, goal: IntArray, apart: float) -> Company:
+def company(
+    graph: Graph, start: IntArray, goal: IntArray, apart: float, *, following: bool = True
+) -> Company:
     free = graph.free_moves(0.5)
     to_go = np.stack([graph.hops_to(int(end), free) for end in goal]).astype(float)
     to_go[to_go >= UNREACHABLE] = np.inf
     count = len(start)
     return Company(
         start, goal, to_go, np.tile(free, (count, 1)), np.full((count, count), apart),
-        graph.vertices, graph.leaving,
+        graph.vertices, graph.leaving, following,
     )  # fmt: skip
 
 
@@ -106,6 +109,19 @@ def test_steps_keep_everybody_apart() -> None:
         moves = list(zip(here.tolist(), after.tolist(), strict=True))
         assert all(gap(graph, moves[a], moves[b]) > 0.9 for a in range(7) for b in range(a))
         assert all(a == b or {a, b} in edges for a, b in moves)
+
+
+def test_where_nobody_may_follow_at_once_all_that_is_passed_is_kept_clear() -> None:
+    graph = lattice("loop-chain")
+    start, goal = np.array([0, 1, 2]), np.array([8, 7, 6])
+    own = company(graph, start, goal, 0.6, following=False)
+    memory = new_memory(own, 0)
+    assert explore(own, memory, 500_000) == FOUND
+    steps = steps_found(memory)
+    assert np.array_equal(steps[-1], goal)
+    for here, after in pairwise(graph.vertices[steps]):
+        lines = shapely.linestrings(np.stack([here, after], axis=1))
+        assert all(shapely.distance(lines[a], lines[b]) > 0.6 for a in range(3) for b in range(a))
 
 
 def test_two_in_a_lane_cannot_change_places() -> None:
