@@ -49,7 +49,7 @@ def test_what_a_plan_writes_is_what_is_read(tmp_path):
     times = read_times(tmp_path / "run.json")
     assert times.started is not None
     assert times.total is not None
-    assert times.seconds.keys() == {"world", "seed", "optimise", "certify", "total"}
+    assert times.seconds.keys() == {"world", "seed", "optimise", "certify", "bound", "total"}
     stages = [amount for name, amount in times.seconds.items() if name != "total"]
     assert 0 < sum(stages) <= times.total * (1 + 1e-9)
 
