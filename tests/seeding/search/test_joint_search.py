@@ -79,3 +79,22 @@ def test_agents_that_start_later_stand_where_they_start() -> None:
     starts = prepare(later).start_times
     assert len(np.unique(starts)) == 4
     assert [curve[0, 2] for curve in found.curves] == starts.tolist()
+
+
+@pytest.mark.parametrize("room", [1e-4, 1e-6])
+def test_people_packed_on_a_grid_get_out_of_it_and_into_another(room: float) -> None:
+    pitch = 2 * 0.3 + room
+    journeys = [
+        ((pitch * x, pitch * y), (7 + pitch * x, 2 + pitch * y)) for x in range(3) for y in range(3)
+    ]
+    assert searched(families.make_scene("grid", None, [], journeys, horizon=30.0)).clear
+
+
+def test_a_packed_grid_is_planned_to_the_end() -> None:
+    pitch = 2 * 0.3 + 1e-5
+    journeys = [
+        ((pitch * x, pitch * y), (6 + pitch * x, pitch * y)) for x in (0, 1) for y in (0, 1)
+    ]
+    result = plan(families.make_scene("grid", None, [], journeys, horizon=20.0))
+    assert result.exit_status == 0
+    assert result.certificate.holds
