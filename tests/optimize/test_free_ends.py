@@ -132,4 +132,4 @@ def test_the_certificate_knows_the_place() -> None:
     knots[found.trajectories.offsets[3] - 1, :2] = [8.0, 1.5]
     broken = check(scene, found.trajectories.with_knots(knots))
     assert not broken.holds
-    assert "c: ends at (8.0, 1.5), 1.12 m outside place lawn" in broken.violations[0]
+    assert "c: ends at (8, 1.5), 1.12 m outside place lawn" in broken.violations[0]
