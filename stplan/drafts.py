@@ -27,6 +27,8 @@ from stplan.seeding.shortcutting.shortcuts import take_shortcuts
 
 # A draft that costs so many times the cheapest one counts as a failure.
 OUTCLASSED = 1.5
+# A failure counts as one more for so many sweeps that it took.
+SWEEPS_A_FAILURE = 200
 # States of the improved draft that compete with the others.
 IMPROVED = 3
 # Seeds prepared beyond those that are optimised: preparing changes who is cheapest.
@@ -83,17 +85,17 @@ class _Drafts:
 
     def compete(self, rival: Rival, share: float, best: float) -> Iterator[Draft]:
         """Drafts of a rival, as long as it does not fail, and costs about as little as the `best`."""
-        failures = 0
+        failures = 0.0
         rng_seed = self._problem.scene.seeding.rng_seed
         for start in range(round(share * rival.starts)):
-            if failures == rival.patience:
+            if failures >= rival.patience:
                 break
             found = rival.seeder.attempt(self._budget(rng_seed + start))
-            failures += 1
+            failures += 1.0 + (found.record.sweeps or 0) / SWEEPS_A_FAILURE
             if found.clear:
                 draft = self.draft(found, rng_seed + start)
                 best = min(best, draft.cost)
-                failures = failures if draft.cost > OUTCLASSED * best else 0
+                failures = failures if draft.cost > OUTCLASSED * best else 0.0
                 yield draft
 
     def improved(self, draft: Draft, share: float) -> list[Draft]:
@@ -111,8 +113,8 @@ class _Drafts:
         ]
 
     def prepared(self, drafts: Iterable[Draft], most: int) -> tuple[Seed, ...]:
-        """Up to `most` of the drafts as seeds, the cheapest first."""
-        seeds: list[Seed] = []
+        """Up to `most` of the drafts as seeds of different classes, the cheapest first."""
+        seeds: dict[bytes, Seed] = {}
         failed: SeedingError | None = None
         for draft in drafts:
             if len(seeds) == most:
@@ -123,10 +125,12 @@ class _Drafts:
                 failed = failed or error
                 continue
             record = replace(seed.record, starts=self._starts, start=draft.start)
-            seeds.append(replace(seed, record=record))
+            # Tightening may take curves to the class of others.
+            label = signature(self._problem, list(seed.world_lines.curves()))
+            seeds.setdefault(label, replace(seed, record=record))
         if failed is not None and not seeds:
             raise failed
-        return tuple(sorted(seeds, key=lambda seed: self._own_cost(seed.world_lines)))
+        return tuple(sorted(seeds.values(), key=lambda seed: self._own_cost(seed.world_lines)))
 
     def _shortened(self, found: SeedAttempt, start: int, rng_seed: int) -> Draft:
         problem, required = self._portfolio.problem, self._portfolio.required

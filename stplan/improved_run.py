@@ -7,7 +7,7 @@ whose trajectories do not hold their certificate, are refused.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ from stplan.clock import Clock
 from stplan.errors import UsageError
 from stplan.files.json_file import json_bytes, read_json
 from stplan.files.manifest import KEY, manifest, why_incomplete
+from stplan.files.npz_file import read_npz
 from stplan.files.recorded import REPORT, RUN_RECORD
 from stplan.files.trajectories import curve_files, read_trajectories
 from stplan.improvement.budget import ImprovementBudget
@@ -32,7 +33,7 @@ from stplan.report import OptimisationReport, versions
 from stplan.scene.model import Scene
 from stplan.status import Status
 
-SEED = "seed.npz"
+SEED, TRAJECTORIES = "seed.npz", "trajectories.npz"
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,12 @@ def read_run(folder: Path, scene: Scene) -> FinishedRun:
     report = read_json(folder / REPORT)
     if report.get("scene", {}).get("hash") != scene.content_hash:
         raise UsageError(f"{scene.source} is not as it was when {folder} was planned; plan it anew")
-    lines = read_trajectories(folder)
+    file = read_npz(folder / TRAJECTORIES)
+    lines = file.world_lines
+    if scene.metric == "auto" and file.time_scale is not None:
+        # The trajectories' rods are clear in the metric that they were planned with.
+        turning = scene.turning_scale
+        scene = replace(scene, time_scale=file.time_scale, metric="chosen", turning=turning)
     problem = prepare(fixed_at(scene, lines))
     certificate = certify(scene, problem.written.free_space, lines)
     if not certificate.holds:

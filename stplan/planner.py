@@ -32,6 +32,7 @@ from stplan.optimize.continuation import LiveLine, Optimisation, optimise
 from stplan.optimize.restoration import restore
 from stplan.problem import planning_problem
 from stplan.problem.ends import ending_as, fixed_at
+from stplan.problem.metric import sharpened, with_metric
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.report import (
@@ -149,10 +150,10 @@ def plan(
             plans += [] if other is None else [other]
             continue
         with clock.stage("optimise"):
-            optimised = optimise(
-                problem, initial.seed.world_lines, progress=progress, live=live, stop=stop
-            )  # fmt: skip
-        plans.append(_planned(problem, initial, optimised, clock))
+            lines = initial.seed.world_lines
+            sharp = sharpened(problem, lines)
+            optimised = optimise(sharp, lines, progress=progress, live=live, stop=stop)
+        plans.append(_planned(sharp, initial, optimised, clock))
     best = _cheapest(plans)
     with clock.stage("bound"):
         bound = cost_bound(problem, best.trajectories or best.seed)
@@ -268,7 +269,7 @@ def prepare(scene: Scene, progress: Progress | None = None) -> PlanningProblem:
     require_options(scene.solver.ipopt)
     problem = planning_problem.prepare_local(scene)
     _say_notes(scene, problem.written.free_space, progress or _silent)
-    return settle_goals(problem)
+    return with_metric(settle_goals(problem))
 
 
 def _say_notes(scene: Scene, free_space: FreeSpace | None, progress: Progress) -> None:
@@ -342,6 +343,7 @@ def _rival(
     """The plan from another seed than the `first`, None where a few iterations tell that it is dearer."""
     from stplan.improvement.trials import Trials
 
+    problem = sharpened(problem, initial.seed.world_lines)
     trials = Trials(problem, first.seed.world_lines, stop)
     best = min(own_cost(plan.scene, plan.trajectories or plan.seed) for plan in plans)
     with clock.stage("optimise"):

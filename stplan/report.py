@@ -141,6 +141,7 @@ class Report:
                 "hash": scene.content_hash,
                 # A run is checked later against the scene as it was planned.
                 "overrides": list(scene.overrides),
+                **({"time_scale": scene.time_scale} if scene.metric == "chosen" else {}),
             },
             "versions": versions(),
             "certificate": self.certificate.as_dict(),

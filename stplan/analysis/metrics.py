@@ -79,7 +79,7 @@ def metrics(scene: Scene, lines: WorldLines) -> Metrics:
                 path_length=float(lengths.sum()),
                 greatest_speed=float((lengths / np.diff(curve[:, 2])).max()),
                 kinetic_energy=own,
-                turning=turning(curve, scene.time_scale),
+                turning=turning(curve, scene.turning_scale),
             )
         )
     return Metrics(

@@ -21,7 +21,7 @@ def own_costs(scene: Scene, lines: WorldLines) -> FloatArray:
     """(A,) kinetic, acceleration and arrival cost of every agent, and half of its pairs' grouping cost."""
     alone = np.array(
         [
-            _own_cost(agent, curve, scene.time_scale)
+            _own_cost(agent, curve, scene.turning_scale)
             for agent, curve in zip(scene.agents, lines.curves(), strict=True)
         ]
     )
@@ -30,11 +30,11 @@ def own_costs(scene: Scene, lines: WorldLines) -> FloatArray:
     return alone + _grouping_costs(scene, lines)
 
 
-def _own_cost(agent: Agent, curve: FloatArray, time_scale: float) -> float:
+def _own_cost(agent: Agent, curve: FloatArray, turning_scale: float) -> float:
     weights = agent.weights
     cost = weights.kinetic * kinetic_cost(agent.mass, curve)
     if weights.acceleration:
-        cost += weights.acceleration * turning(curve, time_scale)
+        cost += weights.acceleration * turning(curve, turning_scale)
     if agent.preferred_time is not None:
         cost += weights.arrival * 0.5 * (float(curve[-1, 2]) - agent.preferred_time) ** 2
     return cost

@@ -77,6 +77,7 @@ class WrittenScene:
             map=spec,
             horizon=horizon,
             time_scale=share(scene.time_scale, frame.speed),
+            turning=None if scene.turning is None else share(scene.turning, frame.speed),
             agents=tuple(_local_agent(agent, frame) for agent in scene.agents),
             pairs=tuple(_local_rule(rule, frame) for rule in scene.pairs),
             solver=_local_solver(scene.solver, frame),

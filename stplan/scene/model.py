@@ -138,6 +138,8 @@ class Scene:
         content_hash: SHA-256 of the scene's meaning and of its mesh's bytes.
         horizon: T^max of agents without their own (s).
         time_scale: c in m/s; the space-time metric is dx^2 + dy^2 + (c dt)^2.
+        metric: whether `time_scale` is the scene's own, is yet to be chosen (1 until then), or was.
+        turning: c of the turns of acceleration costs where the metric was chosen, so that costs compare.
         locations: (line, column), from 1, of every path of the file such as ``agents[2].radius``.
         overridden: the ``--set`` argument that decided a path, where one did.
         overrides: the ``--set`` arguments that the file was read with, in order.
@@ -161,6 +163,8 @@ class Scene:
     overridden: Mapping[str, str] = field(default_factory=dict, repr=False)
     overrides: tuple[str, ...] = ()
     agent_paths: tuple[str, ...] = field(default=(), repr=False)
+    metric: Literal["stated", "auto", "chosen"] = added("stated")
+    turning: float | None = added(None)
     places: tuple[Place, ...] = added(())
     assignments: tuple[Assignment, ...] = added(())
 
@@ -178,6 +182,11 @@ class Scene:
         """Parts of the plane that have names, and those that stand with agents as goals."""
         goals = (place for agent in self.agents for place in agent.goal_places)
         return tuple(dict.fromkeys([*self.places, *goals]))
+
+    @property
+    def turning_scale(self) -> float:
+        """c of the turns of acceleration costs, m/s."""
+        return self.time_scale if self.turning is None else self.turning
 
     @property
     def final_time(self) -> float:

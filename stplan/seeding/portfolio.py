@@ -56,7 +56,7 @@ FEW_RADII = 3
 # What relaxation left is mended where no more than this part of the agents touch, or so many pairs.
 MENDED_PART, MENDED_PAIRS = 0.1, 4
 # Starts of relaxation as a rival in tight spaces: they are quick, and differ little.
-RELAXATION_STARTS = 3
+RELAXATION_STARTS = 10
 # In larger crowds between walls rivals hardly ever find a way, and take half of the time to fail.
 MOST_COMPETING = 110
 # Preparing what was found may take this part of the time limit over it.
@@ -111,7 +111,8 @@ class Rival:
 
     Attributes:
         starts: how many of it a scene is worth.
-        patience: how many in a row may fail, or be far too dear, before it is asked no more.
+        patience: how many in a row may fail, or be far too dear, before it is asked no more; less of them
+            that take long.
     """
 
     seeder: Seeder
@@ -287,6 +288,5 @@ def _tight_seeders(levels: Levels) -> tuple[tuple[Seeder, ...], tuple[Rival, ...
         return seeders, ()
     return seeders, (
         Rival(least_cost, least_cost.worthwhile_starts, patience=2),
-        # Its starts differ little, and the first one has to find everybody's shortest way.
-        Rival(relaxation, RELAXATION_STARTS, patience=1),
+        Rival(relaxation, RELAXATION_STARTS, patience=2),
     )

@@ -106,10 +106,14 @@ def test_hash_sees_defaults_written_out():
 
 
 def test_hashes_stay_from_version_to_version(tmp_path):
-    """Runs are known again by them; new keys at their default change nothing."""
+    """Runs are known again by them; new keys at their default change nothing.
+
+    The metric that was the default once has to be stated.
+    """
+    mesh = mesh_scene(tmp_path).replace(".obj}", ".obj, resolution: 2}")
     found = [
         parse_scene(text, directory=tmp_path).content_hash
-        for text in (PAIR, FULL, mesh_scene(tmp_path).replace(".obj}", ".obj, resolution: 2}"))
+        for text in (f"time_scale: 1\n{PAIR}", FULL, f"time_scale: 1\n{mesh}")
     ]
     assert found == [
         "d7ae5bd5c7222e548415dcc1a23e37844ac9f5a7a949afece97c730f2dd59f2f",

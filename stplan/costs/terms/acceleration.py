@@ -64,7 +64,7 @@ class Acceleration(Term):
         weights = formulation.weights("acceleration")
         if not weights.any():
             return None
-        return cls(formulation.layout, weights, formulation.problem.time_scale)
+        return cls(formulation.layout, weights, formulation.problem.scene.turning_scale)
 
     def _turns(self, knots: FloatArray) -> _Turns:
         scaled = knots * self._scale

@@ -186,8 +186,9 @@ class SceneFile(_Model):
         "T^max of agents without max_time, and how long agents stay, s; "
         "may be left out where every agent has a max_time or a path"
     )
-    time_scale: Positive = Field(
-        1.0, description="c in m/s: the space-time metric is dx^2 + dy^2 + (c dt)^2"
+    time_scale: Annotated[float | Literal["auto"], Or(Positive, "auto")] = Field(
+        "auto",
+        description="c in m/s: the space-time metric is dx^2 + dy^2 + (c dt)^2; auto follows the speeds",
     )
     defaults: SharedFields = Field(SharedFields(), description="values for agents that set none")
     agents: Annotated[list[AgentEntry], Field(min_length=1, max_length=MOST_AGENTS)] = Field(

@@ -158,6 +158,9 @@ def compile_scene(
         if name in REFUSED_OPTIONS:
             faults.append((f"solver.ipopt.{name}", f"is refused: {REFUSED_OPTIONS[name]}"))
     preset = None if file.preset is None else PRESETS[file.preset]
+    time_scale = file.time_scale
+    if preset is not None and "time_scale" not in file.model_fields_set:
+        time_scale = preset.time_scale
     scene = Scene(
         name=file.name or default_name,
         description=file.description,
@@ -167,9 +170,8 @@ def compile_scene(
         horizon=max((agent.max_time for agent in agents), default=1.0)
         if file.horizon is None
         else file.horizon,
-        time_scale=file.time_scale
-        if preset is None or "time_scale" in file.model_fields_set
-        else preset.time_scale,
+        time_scale=1.0 if time_scale == "auto" else time_scale,
+        metric="auto" if time_scale == "auto" else "stated",
         agents=tuple(agents),
         pairs=tuple(placed.rule for placed in rules),
         seeding=SeedingSettings(**_settings(file.seeding, preset.seeding if preset else {})),

@@ -29,6 +29,8 @@ ORDERS = 6
 # So many starts over the number of agents, or over that of agents, moves and layers; at least, at most.
 STARTED_AGENTS, STARTED_WORK = 100, 10**8
 FEWEST_STARTS, MOST_STARTS = 2, 8
+# Starts of more work take many seconds each, mostly in vain: none are made.
+MOST_WORK = 3 * 10**8
 # Margins tried; smaller ones are left to other searches.
 MARGINS = 2
 # Standing still costs this share of the dearest move, so that nobody wanders where it may as well wait.
@@ -48,6 +50,8 @@ class LeastCost:
         problem = self.levels.problem
         level = self.levels.at(problem.scene.seeding.margin)
         work = problem.num_agents * len(level.graph.length) * level.layers
+        if work > MOST_WORK:
+            return 0
         worth = min(STARTED_AGENTS // problem.num_agents, STARTED_WORK // work)
         return min(max(worth, FEWEST_STARTS), MOST_STARTS)
 

@@ -124,9 +124,11 @@ def test_faults_of_places_themselves() -> None:
 
 
 def test_hashes_of_scenes_without_places_stay() -> None:
-    plain = parse_scene("stplan: 1\nhorizon: 9\nagents: [{id: a, start: [0, 0], goal: [1, 1]}]\n")
+    plain = parse_scene(
+        "stplan: 1\nhorizon: 9\ntime_scale: 1\nagents: [{id: a, start: [0, 0], goal: [1, 1]}]\n"
+    )
     named = parse_scene(
-        "stplan: 1\nhorizon: 9\nplaces: {x: {rectangle: [0, 0, 1, 1]}}\n"
+        "stplan: 1\nhorizon: 9\ntime_scale: 1\nplaces: {x: {rectangle: [0, 0, 1, 1]}}\n"
         "agents: [{id: a, start: [0, 0], goal: [1, 1]}]\n"
     )
     before = "b8dd06f67d6776d5b514455d92e3c2fe50a85b8fdf7236b34e2ee35caa565fbb"
