@@ -8,6 +8,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import kernel
+from stplan.geometry.allocation import new_integer_rows, new_integers
 from stplan.geometry.grid import Grid, cells_of_box, grid_of_boxes, make_query
 from stplan.geometry.growable import with_room
 from stplan.geometry.sorting import sorted_pairs
@@ -53,10 +54,10 @@ def _near(starts: FloatArray, ends: FloatArray, reach: FloatArray, walls: Bounda
     edges, grid = walls.edges, walls.grid
     query = make_query(grid.cells)
     low, high = query.low, query.high
-    seen = np.empty(len(edges), np.int64)
+    seen = new_integers(len(edges))
     for e in range(len(edges)):
         seen[e] = -1
-    found = np.empty((4 * len(starts) + 64, 2), np.int64)
+    found = new_integer_rows(4 * len(starts) + 64, 2)
     count = 0
     for k in range(len(starts)):
         for x in range(2):

@@ -20,6 +20,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import kernel
+from stplan.geometry.allocation import new_number_rows, new_numbers
 from stplan.geometry.segments import PARALLEL, POINT, closest_parameters, space_time_point
 
 # The ten pairs (i, j), j <= i, of a contact's four points, in the order of `block_positions`.
@@ -141,9 +142,9 @@ def add_hessian(
     structure has no room for it. Pairs of a repeated point have weight 0 and need no place.
     """
     distance, parameters, normal, free = measured
-    weight = np.empty(4)
-    force = np.zeros((4, 3))
-    lever = np.zeros((4, 3))
+    weight = new_numbers(4)
+    force = new_number_rows(4, 3)
+    lever = new_number_rows(4, 3)
     for k in range(len(points)):
         if slope[k] == 0.0 and curvature[k] == 0.0:
             continue

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.compiled import inlined, kernel
+from stplan.geometry.allocation import new_flags
 from stplan.geometry.segments import Point, plane_point
 
 
@@ -34,7 +33,7 @@ def crossings(
         starts, ends: (S, 2) of the segments, m.
         edges: (E, 4) as x0, y0, x1, y1, m.
     """
-    result = np.empty(len(pairs), np.bool_)
+    result = new_flags(len(pairs))
     for k in range(len(pairs)):
         i = pairs[k, 0]
         e = pairs[k, 1]

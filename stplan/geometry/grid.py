@@ -17,10 +17,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
 from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import inlined, inner, kernel
+from stplan.geometry.allocation import new_integer_rows, new_integers, new_numbers
 from stplan.geometry.growable import with_room
 from stplan.geometry.sorting import counting_sort
 
@@ -76,8 +75,8 @@ class Query(NamedTuple):
 @inner
 def make_cells(low: FloatArray, high: FloatArray, size: float, most: float) -> Cells:
     """Cells from corner `low` to corner `high` (d,), of `size` (m) or as large as `most` cells ask."""
-    origin = np.empty(len(low))
-    shape = np.empty(len(low), np.int64)
+    origin = new_numbers(len(low))
+    shape = new_integers(len(low))
     size = max(size, LEAST_SIZE)
     while True:
         total = 1.0
@@ -102,8 +101,8 @@ def grid_of_boxes(low: FloatArray, high: FloatArray, size: float, most: float) -
 @inner
 def fill(low: FloatArray, high: FloatArray, size: float, most: float) -> Grid:
     """`grid_of_boxes`, for kernels."""
-    lowest = np.empty(low.shape[1])
-    highest = np.empty(low.shape[1])
+    lowest = new_numbers(low.shape[1])
+    highest = new_numbers(low.shape[1])
     for x in range(low.shape[1]):
         lowest[x] = low[0, x]
         highest[x] = high[0, x]
@@ -113,7 +112,7 @@ def fill(low: FloatArray, high: FloatArray, size: float, most: float) -> Grid:
     cells = make_cells(lowest, highest, size, most)
     query = make_query(cells)
     # Cell and member.
-    entries = np.empty((2 * len(low), 2), np.int64)
+    entries = new_integer_rows(2 * len(low), 2)
     count = 0
     for member in range(len(low)):
         for x in range(len(query.low)):
@@ -137,7 +136,7 @@ def make_query(cells: Cells) -> Query:
     """Room for a box and for the runs of any box."""
     dimension = len(cells.shape)
     rows = cells.total // cells.shape[dimension - 1]
-    return Query(np.empty(dimension), np.empty(dimension), np.empty((rows, 2), np.int64))
+    return Query(new_numbers(dimension), new_numbers(dimension), new_integer_rows(rows, 2))
 
 
 @inlined

@@ -11,6 +11,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import inner, kernel
+from stplan.geometry.allocation import new_integer_rows, new_numbers
 from stplan.geometry.growable import with_room
 from stplan.geometry.segments import closest_of_segments
 
@@ -41,13 +42,13 @@ def _near_minimum(
     positions: FloatArray, segments: IntArray, ranges: IntArray, slack: FloatArray
 ) -> IntArray:
     """(N, 3) segment of one rod, segment of the other, pair of rods."""
-    found = np.empty((8 * len(ranges) + 64, 3), np.int64)
+    found = new_integer_rows(8 * len(ranges) + 64, 3)
     count = 0
     for g in range(len(ranges)):
         a0, a1, b0, b1 = ranges[g, 0], ranges[g, 1], ranges[g, 2], ranges[g, 3]
         rows = (a1 - a0 + RUN - 1) // RUN
         columns = (b1 - b0 + RUN - 1) // RUN
-        bound = np.empty(rows * columns)
+        bound = new_numbers(rows * columns)
         nearest = 0
         for r in range(rows):
             for c in range(columns):

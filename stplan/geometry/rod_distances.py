@@ -7,6 +7,7 @@ import numpy as np
 from stplan.arrays import FloatArray, IntArray
 from stplan.axes import TIME
 from stplan.compiled import kernel
+from stplan.geometry.allocation import new_number_rows, new_numbers
 from stplan.geometry.segments import (
     closest_of_segments,
     closest_parameters,
@@ -40,7 +41,7 @@ def rod_distance(first: FloatArray, second: FloatArray, limit: float) -> float:
 @kernel
 def closest_points(first: FloatArray, second: FloatArray) -> FloatArray:
     """(2, 3) closest points of two rods (n, 3), (m, 3) in (x, y, c t), one of each; m."""
-    result = np.empty((2, 3))
+    result = new_number_rows(2, 3)
     least = np.inf
     for i in range(len(first) - 1):
         for j in range(len(second) - 1):
@@ -59,7 +60,7 @@ def closest_points(first: FloatArray, second: FloatArray) -> FloatArray:
 @kernel
 def segment_distances(positions: FloatArray, segments: IntArray, pairs: IntArray) -> FloatArray:
     """(N,) distances of the pairs (N, 2) of segments (S, 2) between positions (P, 3); m."""
-    result = np.empty(len(pairs))
+    result = new_numbers(len(pairs))
     for k in range(len(pairs)):
         gap = closest_of_segments(positions, segments, pairs[k, 0], pairs[k, 1])[2]
         result[k] = np.sqrt(gap)

@@ -13,6 +13,7 @@ import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.compiled import inlined, kernel
+from stplan.geometry.allocation import new_integer_rows, new_integers, new_number_rows
 from stplan.geometry.grid import Cells, cell_along, cells_of_box, make_cells, make_query
 from stplan.geometry.growable import with_room
 from stplan.geometry.segments import space_time_point, squared_distance
@@ -98,10 +99,10 @@ def _near_pairs(cut: CutSegments, collides: BoolArray, reach: FloatArray, cells:
             around[k, x] = middles[order[k], x]
     start, end, half, agents = cut.start, cut.end, cut.half, cut.agents
     query = make_query(cells)
-    last_hit = np.empty(len(start), np.int64)
+    last_hit = new_integers(len(start))
     for i in range(len(start)):
         last_hit[i] = -1
-    found = np.empty((8 * len(start) + 64, 2), np.int64)
+    found = new_integer_rows(8 * len(start) + 64, 2)
     count = 0
     nearest = cells.size * cells.size
     for k in range(len(middles)):
@@ -147,8 +148,8 @@ def _middles(cut: CutSegments, cells: Cells) -> tuple[FloatArray, IntArray]:
     total = 0
     for i in range(len(cut.pieces)):
         total += cut.pieces[i]
-    middles = np.empty((total, 3))
-    places = np.empty((total, 2), np.int64)
+    middles = new_number_rows(total, 3)
+    places = new_integer_rows(total, 2)
     at = 0
     for i in range(len(cut.pieces)):
         for k in range(cut.pieces[i]):

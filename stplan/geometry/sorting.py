@@ -6,6 +6,7 @@ import numpy as np
 
 from stplan.arrays import IntArray
 from stplan.compiled import inner
+from stplan.geometry.allocation import new_integers
 
 
 @inner
@@ -16,14 +17,14 @@ def counting_sort(rows: IntArray, num_keys: int) -> tuple[IntArray, IntArray]:
         starts (num_keys + 1,) and order (n,): rows with key k are
         ``rows[order[starts[k]:starts[k + 1]]]``, in the order they came in.
     """
-    starts = np.empty(num_keys + 1, np.int64)
+    starts = new_integers(num_keys + 1)
     for key in range(num_keys + 1):
         starts[key] = 0
     for i in range(len(rows)):
         starts[rows[i, 0] + 1] += 1
     for key in range(num_keys):
         starts[key + 1] += starts[key]
-    order = np.empty(len(rows), np.int64)
+    order = new_integers(len(rows))
     # Every start walks to the end of its rows, which is where the next ones begin.
     for i in range(len(rows)):
         key = rows[i, 0]

@@ -6,6 +6,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import inlined, inner, kernel
+from stplan.geometry.allocation import new_numbers
 from stplan.geometry.boundary_grid import BoundaryGrid
 from stplan.geometry.grid import Query, cells_of_box, make_query
 from stplan.geometry.segments import Point, plane_point, squared_distance
@@ -41,7 +42,7 @@ def least_wall_distances(
     """(n,) distances of plane segments (n, 2) to the walls, at most `reach`; m."""
     grid = walls.grid
     query = make_query(grid.cells)
-    result = np.empty(len(heads))
+    result = new_numbers(len(heads))
     for k in range(len(heads)):
         p, q = plane_point(heads, k), plane_point(tails, k)
         for x in range(2):

@@ -14,6 +14,7 @@ import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.compiled import kernel
+from stplan.geometry.sorting import counting_sort
 from stplan.nlp.constraints import Constraints, LinearRows, linear_rows
 from stplan.nlp.term import Structure, Term
 from stplan.problem.layout import KnotLayout
@@ -70,7 +71,7 @@ class NonlinearProgram:
             term.hessian(knots) if self.exact else term.gauss_newton_hessian(knots) for term in own
         ]
         rows, _ = self.hessian_structure
-        return _summed(np.concatenate(values), self._merged[2], len(rows))
+        return np.bincount(self._merged[2], np.concatenate(values), len(rows))
 
     @property
     def hessian_structure(self) -> Structure:
@@ -102,41 +103,34 @@ class NonlinearProgram:
         return linear_rows(self.layout, self.constraints)
 
 
-@kernel
 def _merge_entries(
     rows: IntArray, columns: IntArray, size: int
 ) -> tuple[IntArray, IntArray, IntArray]:
     """Distinct entries, row by row with increasing columns, and the place of every given one."""
-    starts = np.zeros(size + 1, dtype=np.int64)
-    for row in rows:
-        starts[row + 1] += 1
-    for row in range(size):
-        starts[row + 1] += starts[row]
-    sequence = np.empty(len(rows), dtype=np.int64)
-    filled = starts[:-1].copy()
-    for k in range(len(rows)):
-        sequence[filled[rows[k]]] = k
-        filled[rows[k]] += 1
-    places = np.empty(len(rows), dtype=np.int64)
     entries = np.empty((len(rows), 2), dtype=np.int64)
-    count = 0
-    for row in range(size):
-        own = sequence[starts[row] : starts[row + 1]]
-        before = -1
-        for k in own[np.argsort(columns[own])]:
-            if columns[k] != before:
-                before = columns[k]
-                entries[count, 0] = row
-                entries[count, 1] = before
-                count += 1
-            places[k] = count - 1
+    places = np.empty(len(rows), dtype=np.int64)
+    count = _fill_entries(np.column_stack([columns, rows]), size, entries, places)
     return entries[:count, 0].copy(), entries[:count, 1].copy(), places
 
 
 @kernel
-def _summed(values: FloatArray, places: IntArray, count: int) -> FloatArray:
-    """(count,) sums of the values that go to the same place."""
-    total = np.zeros(count)
-    for k in range(len(values)):
-        total[places[k]] += values[k]
-    return total
+def _fill_entries(turned: IntArray, size: int, entries: IntArray, places: IntArray) -> int:
+    """Fill `entries` and `places` (n,) for columns and rows `turned` (n, 2); the number of entries."""
+    _, by_column = counting_sort(turned, size)
+    for k in range(len(turned)):
+        entries[k, 0] = turned[by_column[k], 1]
+        entries[k, 1] = turned[by_column[k], 0]
+    _, by_row = counting_sort(entries, size)
+    count = 0
+    row = column = -1
+    for k in by_row:
+        given = by_column[k]
+        if turned[given, 1] != row or turned[given, 0] != column:
+            row = turned[given, 1]
+            column = turned[given, 0]
+            count += 1
+        places[given] = count - 1
+    for k in range(len(turned)):
+        entries[places[k], 0] = turned[k, 1]
+        entries[places[k], 1] = turned[k, 0]
+    return count

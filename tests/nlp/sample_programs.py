@@ -57,6 +57,7 @@ def sample_scene(**solver: object) -> Scene:
                 radius=float(RADII[a]),
                 mass=1.0 + a,
                 after_arrival="stay" if a == 2 else "vanish",
+                clearance=0.8 if a == 2 else 0.0,
                 waypoints=(),
                 # Without a regularity cost, the first agent's time is kept running by constraints.
                 weights=Weights(

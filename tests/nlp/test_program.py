@@ -8,7 +8,7 @@ import pytest
 from stplan.costs.formulation import Penalties
 from stplan.costs.registry import registered_terms
 from stplan.nlp.ipopt.adapter import Ipopt
-from stplan.nlp.program import NonlinearProgram
+from stplan.nlp.program import NonlinearProgram, _merge_entries
 from stplan.nlp.step_control import StepControl
 from tests.derivatives.checker import (
     Differentiable,
@@ -73,6 +73,18 @@ def test_the_gauss_newton_hessian_is_the_terms_own_summed() -> None:
     assert found == pytest.approx(expected)
     exact = sample_program(True, hessian="exact")
     assert len(exact.hessian_structure[0]) > len(program.hessian_structure[0])
+
+
+@pytest.mark.parametrize("size", [1, 7, 40])
+def test_entries_of_all_terms_are_merged_row_by_row(size: int) -> None:
+    rng = np.random.default_rng(size)
+    rows, columns = rng.integers(0, size, (2, 200))
+    merged_rows, merged_columns, places = _merge_entries(rows, columns, size)
+    codes, expected = np.unique(rows * size + columns, return_inverse=True)
+    assert np.array_equal(merged_rows * size + merged_columns, codes)
+    assert np.array_equal(places, expected)
+    nothing = np.empty(0, dtype=np.int64)
+    assert [len(part) for part in _merge_entries(nothing, nothing, size)] == [0, 0, 0]
 
 
 def test_linear_constraints() -> None:

@@ -15,6 +15,7 @@ from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import kernel
 from stplan.costs.contacts.contact_set import ContactList, distinct
 from stplan.costs.contacts.potential import Coefficients
+from stplan.geometry.allocation import new_integer_rows
 from stplan.geometry.contacts import POINT_PAIRS, Measured, add_gradient
 from stplan.geometry.sorting import first_at_least
 from stplan.nlp.term import Structure
@@ -176,7 +177,7 @@ def _locate_blocks(
     block_starts: IntArray,
 ) -> IntArray:
     """(C, 10) first value of every contact's blocks, `MISSING` or `_UNNEEDED`."""
-    places = np.empty((len(points), 10), dtype=np.int64)
+    places = new_integer_rows(len(points), 10)
     for k in range(len(points)):
         pair = -1
         for i in range(4):

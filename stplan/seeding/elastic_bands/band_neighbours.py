@@ -8,6 +8,7 @@ import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.compiled import inlined, kernel
+from stplan.geometry.allocation import new_integer_rows, new_integers, new_number_rows, new_numbers
 from stplan.geometry.boundary_grid import BoundaryGrid
 from stplan.geometry.grid import cells_of_box, fill, make_query
 from stplan.geometry.growable import with_room
@@ -76,18 +77,18 @@ def _near_rows(
     positions, segments, agents, asking = bodies
     low, high = _boxes(positions, segments)
     grid = fill(low, high, cell, CELLS_PER_SEGMENT * len(segments) + 64.0)
-    widest = np.empty(len(reach))
+    widest = new_numbers(len(reach))
     for a in range(len(reach)):
         widest[a] = 0.0
         for b in range(len(reach)):
             if collides[a, b]:
                 widest[a] = max(widest[a], reach[a, b])
     query = make_query(grid.cells)
-    seen = np.empty(len(segments), np.int64)
+    seen = new_integers(len(segments))
     for i in range(len(segments)):
         seen[i] = -1
     # Both ways round, as far as they ask.
-    near = np.empty((16 * len(segments) + 64, 2), np.int64)
+    near = new_integer_rows(16 * len(segments) + 64, 2)
     count = 0
     for i in range(len(segments)):
         a = agents[i]
@@ -133,8 +134,8 @@ def _near_rows(
 @inlined
 def _boxes(positions: FloatArray, segments: IntArray) -> tuple[FloatArray, FloatArray]:
     """Bounding boxes (S, 3), (S, 3) of the segments."""
-    low = np.empty((len(segments), 3))
-    high = np.empty((len(segments), 3))
+    low = new_number_rows(len(segments), 3)
+    high = new_number_rows(len(segments), 3)
     for i in range(len(segments)):
         u, v = segments[i, 0], segments[i, 1]
         for x in range(3):
@@ -156,7 +157,7 @@ def tight_pairs(
 
     `rows` and `members` are those of `Neighbours`. A pair of agents that both ask appears in both orders.
     """
-    found = np.empty((64, 2), np.int64)
+    found = new_integer_rows(64, 2)
     count = 0
     for i in range(len(segments)):
         found = with_room(found, count + rows[i + 1] - rows[i])

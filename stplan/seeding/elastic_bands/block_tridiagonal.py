@@ -8,6 +8,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import inlined
+from stplan.geometry.allocation import new_number_rows, new_numbers
 
 # Knots: free, pinned in the plane but free in time, fixed.
 FREE, PINNED, FIXED = 0, 1, 2
@@ -35,7 +36,7 @@ def make_chain(num_knots: int) -> Chain:
     return Chain(
         np.empty((num_knots, 3, 3)),
         np.empty((num_knots, 3, 3)),
-        np.empty((num_knots, 3)),
+        new_number_rows(num_knots, 3),
         np.empty((num_knots, 3, 3)),
     )
 
@@ -72,7 +73,7 @@ def hold_knots(hold: IntArray, chain: Chain) -> None:
 def solve(chain: Chain, num_knots: int) -> None:
     """Solve the system of the first `num_knots` knots in place; `force` becomes the solution."""
     diagonal, upper, force, inverse = chain
-    carry = np.empty((3, 3))
+    carry = new_number_rows(3, 3)
     for i in range(num_knots):
         if i > 0:
             # carry = upper[i - 1]^T inverse[i - 1], the elimination of the knot before.
@@ -87,7 +88,7 @@ def solve(chain: Chain, num_knots: int) -> None:
                     for z in range(3):
                         diagonal[i, x, y] -= carry[x, z] * upper[i - 1, z, y]
         _invert(diagonal[i], inverse[i])
-    rest = np.empty(3)
+    rest = new_numbers(3)
     for i in range(num_knots - 1, -1, -1):
         for x in range(3):
             rest[x] = force[i, x]

@@ -18,6 +18,7 @@ import numpy as np
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.axes import TIME
 from stplan.compiled import inlined, kernel
+from stplan.geometry.allocation import new_numbers
 from stplan.geometry.crossings import segments_cross
 from stplan.geometry.segments import Point, closest_of_segments, plane_point, space_time_point
 from stplan.seeding.elastic_bands.band_neighbours import Neighbours
@@ -147,7 +148,7 @@ def _press_contacts(
     rows, members = contacts.rows, contacts.members
     head = bands.first_segment[agent]
     touching = 0
-    normal = np.empty(3)
+    normal = new_numbers(3)
     for i in range(len(own) - 1):
         for k in range(rows[head + i], rows[head + i + 1]):
             j = members[k]

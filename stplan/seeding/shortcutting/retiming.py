@@ -7,6 +7,7 @@ import numpy as np
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.axes import TIME
 from stplan.compiled import inlined, kernel
+from stplan.geometry.allocation import new_flags, new_integer_rows, new_integers, new_number_rows
 from stplan.seeding.shortcutting.rod_field import RodField, segment_clear
 
 # Candidates lie this far apart in time, as a part of the mean duration.
@@ -30,9 +31,9 @@ def even_knots(
     mean = (knots[field.counts[agent] - 1, TIME] - knots[0, TIME]) / (num_knots - 1)
     points, leaves, reaches, fixed = _candidates(field, agent, mean)
     count = len(points)
-    cost = np.empty((count, num_knots))
-    previous = np.empty((count, num_knots), np.int64)
-    reached = np.empty(count, np.bool_)
+    cost = new_number_rows(count, num_knots)
+    previous = new_integer_rows(count, num_knots)
+    reached = new_flags(count)
     for i in range(count):
         reached[i] = i == 0
         for k in range(num_knots):
@@ -86,16 +87,16 @@ def _candidates(
     """
     knots = field.knots[agent]
     count = field.counts[agent]
-    parts = np.empty(count - 1, np.int64)
+    parts = new_integers(count - 1)
     total = 1
     for i in range(count - 1):
         duration = knots[i + 1, TIME] - knots[i, TIME]
         parts[i] = max(int(np.rint(duration / (SPACING * mean))), 1)
         total += parts[i] + 3
-    points = np.empty((total, 3))
-    leaves = np.empty(total, np.int64)
-    reaches = np.empty(total, np.int64)
-    fixed = np.empty(total, np.bool_)
+    points = new_number_rows(total, 3)
+    leaves = new_integers(total)
+    reaches = new_integers(total)
+    fixed = new_flags(total)
     at = 0
     for i in range(count - 1):
         short = knots[i + 1, TIME] - knots[i, TIME] < SHORT * mean

@@ -12,6 +12,7 @@ import numpy as np
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.axes import TIME
 from stplan.compiled import inlined, inner, kernel
+from stplan.geometry.allocation import new_numbers
 from stplan.seeding.shortcutting.rod_field import RodField, enter_rod, segment_clear, with_entries
 
 # The greedy shortcut gives up on a knot after so many blocked chords in a row.
@@ -34,8 +35,8 @@ def shortcut_round(
     `draws` (A, tries, 2) are uniform in [0, 1); `arrivals` (A,) is the c t towards which an
     agent's arrival is put off.
     """
-    aim = np.empty(3)
-    moved = np.empty(3)
+    aim = new_numbers(3)
+    moved = new_numbers(3)
     for agent in order:
         _drop_knots(field, agent)
         for k in range(draws.shape[1]):
@@ -118,8 +119,8 @@ def _shortcut(field: RodField, agent: int, where: float, how_long: float) -> Non
     low, high = knots[0, TIME], knots[count - 1, TIME]
     middle = low + (high - low) * where
     half = 0.5 * (high - low) * LONGEST_SHORTCUT * how_long**1.5
-    begin = np.empty(knots.shape[1])
-    end = np.empty(knots.shape[1])
+    begin = new_numbers(knots.shape[1])
+    end = new_numbers(knots.shape[1])
     i = _piece_at(knots, count, max(low, middle - half), begin)
     j = _piece_at(knots, count, min(high, middle + half), end)
     if j <= i:
