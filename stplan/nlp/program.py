@@ -71,7 +71,8 @@ class NonlinearProgram:
             term.hessian(knots) if self.exact else term.gauss_newton_hessian(knots) for term in own
         ]
         rows, _ = self.hessian_structure
-        return np.bincount(self._merged[2], np.concatenate(values), len(rows))
+        summed = np.bincount(self._merged[2], np.concatenate(values), len(rows))
+        return summed.astype(np.float64, copy=False)
 
     @property
     def hessian_structure(self) -> Structure:
