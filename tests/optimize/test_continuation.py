@@ -55,7 +55,8 @@ VARIANTS: dict[str, dict[str, Any]] = {
 
 def audited(text: str) -> tuple[Optimisation, Audit]:
     """The optimisation of a scene from YAML, every value of it computed anew."""
-    problem = prepare(parse_scene(text))
+    scene = parse_scene(text)
+    problem = prepare(scene)
     (initial,) = find_initial_curves(problem)
     seed = initial.seed.world_lines
     formulation = formulate(problem, seed)
@@ -63,9 +64,9 @@ def audited(text: str) -> tuple[Optimisation, Audit]:
     brute = BruteForce(
         yaml.safe_load(text),
         CostScales(formulation, mu, {}).as_dict(),
-        {agent.id: agent.mass for agent in problem.scene.agents},
-        {agent.id: agent.radius for agent in problem.scene.agents},
-        problem.time_scale,
+        {agent.id: agent.mass for agent in scene.agents},
+        {agent.id: agent.radius for agent in scene.agents},
+        scene.time_scale,
     )
     audit = Audit(formulation, seed, brute, mu)
     found = optimise(
@@ -126,7 +127,8 @@ def optimised(
         problem, initial.seed.world_lines, progress=lambda line: None, stop=lambda: False,
         backend=failing,
     )  # fmt: skip
-    assert certify(scene, problem.free_space, found.world_lines).holds
+    written = problem.written
+    assert certify(scene, written.free_space, written.outside(found.world_lines)).holds
     numbers = [done.objective for done in found.outer_iterations]
     assert np.isfinite([*numbers, *found.costs.values(), *found.seed_costs.values()]).all()
     return found, failing
@@ -197,7 +199,7 @@ def test_who_fails_at_a_later_mu_without_any_step_keeps_what_was_found_before() 
     assert words == [Status.CONVERGED, Status.CONVERGED, Status.FAILED]
     assert found.status is Status.CONVERGED
     assert np.array_equal(found.world_lines.knots, watched.runs[1][2].knots)
-    assert found.scales.mu == found.outer_iterations[-1].mu
+    assert found.scales.as_dict()["mu"] == found.outer_iterations[-1].mu
 
 
 def test_all_runs_that_fail_are_reported_so() -> None:
