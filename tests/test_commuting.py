@@ -12,11 +12,16 @@ import numpy as np
 import pytest
 import yaml
 
+from stplan.analysis.cost_bound import cost_bound
+from stplan.analysis.detours import ways_alone
+from stplan.analysis.paths import path_length
 from stplan.cli.app import main
 from stplan.errors import SeedingError
 from stplan.multistart import own_cost
 from stplan.planner import Plan, plan
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene import parse_scene
+from stplan.world import build_free_space
 
 WALLED = """
 stplan: 1
@@ -192,6 +197,20 @@ def test_reports_are_in_the_units_of_the_scene(original, name) -> None:
         values = [[done[key] for done in one["outer_iterations"]] for one in (ours, theirs)]
         assert np.array(values[1]) / unit == pytest.approx(np.array(values[0]), rel=1e-6)
     assert theirs["bound"]["least"] / copy.cost == pytest.approx(ours["bound"]["least"], rel=1e-6)
+
+
+@pytest.mark.parametrize("name", PLACES)
+def test_what_is_said_of_a_run_does_not_depend_on_where_it_lies(name) -> None:
+    copy = PLACES[name]
+    said = []
+    for found, unit in ((planned(WALLED), 1.0), (planned(WALLED, copy), copy.length)):
+        problem = PlanningProblem.from_scene(found.scene, build_free_space(found.scene))
+        assert found.trajectories is not None
+        bound = cost_bound(problem.in_frame, found.trajectories)
+        assert bound.total == pytest.approx(found.report.as_dict()["bound"]["least"], rel=1e-6)
+        lengths = [path_length(way) for way in ways_alone(problem) if way is not None]
+        said.append([*(bound.least / unit**2), *(length / unit for length in lengths)])
+    assert said[1] == pytest.approx(said[0], rel=1e-6)
 
 
 NARROW = WALLED.replace("[5.0, 2.3], [4.6, 2.3]", "[5.0, 3.15], [4.6, 3.15]")

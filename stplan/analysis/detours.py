@@ -27,11 +27,16 @@ class Detour:
 
 
 def ways_alone(problem: PlanningProblem) -> list[FloatArray | None]:
-    """The (n, 3) curve of every agent if nobody else were there: short, at constant speed.
+    """The (n, 3) curve of every agent if nobody else were there, as the user's: short, at constant speed.
 
     None where the walls let it through nowhere.
     """
-    return geodesic_curves(problem)
+    local = problem.in_frame
+    written = local.written
+    return [
+        None if way is None else written.outside_curve(agent, way)
+        for agent, way in zip(written.scene.agents, geodesic_curves(local), strict=True)
+    ]
 
 
 def detours(crowd: Crowd, alone: Sequence[FloatArray | None]) -> list[Detour]:

@@ -60,7 +60,7 @@ def explain_run(
         sections += curve_sections(crowd, certificate, ways_alone(problem))
     if certificate.holds:
         ordered = _in_scene_order(problem, lines)
-        sections.append(cost_section(cost_bound(problem, ordered)))
+        sections.append(cost_section(cost_bound(problem.in_frame, ordered)))
     return Explanation(headline, tuple(sections)), certificate
 
 

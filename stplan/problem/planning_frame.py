@@ -126,6 +126,10 @@ class PlanningFrame:
         """`local` times (N,) in s."""
         return self.start + self.time * local
 
+    def curve(self, local: FloatArray) -> FloatArray:
+        """A `local` curve (n, 3) in m and s."""
+        return np.column_stack([self.points(local[:, :2]), self.times(local[:, 2])])
+
     def local_space(self, space: FreeSpace) -> FreeSpace:
         """The free space in this frame; corners that only rounding makes are left out."""
         rounding = float(np.spacing(np.abs(space.boundary_vertices).max()))

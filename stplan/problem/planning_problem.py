@@ -122,6 +122,14 @@ class PlanningProblem:
         """The same in the coordinates and units of the user: to be looked at, not to be planned."""
         return PlanningProblem.from_scene(self.written.scene, self.written.free_space)
 
+    @cached_property
+    def in_frame(self) -> PlanningProblem:
+        """The same in the frame that suits it: where ways are measured as well far from the origin."""
+        if self.frame != PlanningFrame():
+            return self
+        written = WrittenScene.framed(self.written.scene, self.written.free_space)
+        return PlanningProblem.from_scene(written.local_scene, written.local_space, written)
+
     @property
     def num_agents(self) -> int:
         """Number of agents A."""

@@ -107,16 +107,20 @@ class WrittenScene:
 
     def outside(self, lines: WorldLines) -> WorldLines:
         """Local `lines`, in scene order, as the user's; what is met in the frame is met to the last bit."""
-        frame = self.frame
-        curves = []
-        for agent, local in zip(self.scene.agents, lines.curves(), strict=True):
-            curve = np.column_stack([frame.points(local[:, :2]), frame.times(local[:, 2])])
-            if agent.path is None:
-                _meet(curve, local, agent, _local_agent(agent, frame))
-            else:
-                _follow(curve, local[:, 2], np.array(agent.path), frame)
-            curves.append(curve)
+        curves = [
+            self.outside_curve(agent, local)
+            for agent, local in zip(self.scene.agents, lines.curves(), strict=True)
+        ]
         return WorldLines.from_curves(lines.agent_ids, curves)
+
+    def outside_curve(self, agent: Agent, local: FloatArray) -> FloatArray:
+        """A `local` curve (n, 3) of one agent of the scene as the user's, alike."""
+        curve = self.frame.curve(local)
+        if agent.path is None:
+            _meet(curve, local, agent, _local_agent(agent, self.frame))
+        else:
+            _follow(curve, local[:, 2], np.array(agent.path), self.frame)
+        return curve
 
     def outside_reason(self, reason: Reason) -> Reason:
         """A `reason` of the local problem with its place, times and figures as the user's."""
