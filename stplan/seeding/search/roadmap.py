@@ -43,8 +43,10 @@ MAX_VERTICES = 7000
 MAX_RINGS = 5
 # Edges longer than this many spacings are split: a hop takes one layer whatever its length.
 LONG_EDGE = 2.0
-# Rounds in which ways through tight bends get a point more.
+# Rounds in which ways through tight bends get a point more, unless the spacing is so many times as wide as
+# radii ask for: there the agents' own ways have to do.
 BENDS = 2
+COARSE = 2.0
 # Passages less than so many times as wide as an agent are narrow, or tight.
 NARROW, TIGHT = 1.1, 1.3
 # Nearest vertices to which an exact point is tied, besides those of the triangulation.
@@ -232,7 +234,7 @@ def _triangulate(
     """
     spacing = sizes.spacing
     edges = delaunay_edges(vertices)
-    if free_space is not None and not ignores_walls:
+    if free_space is not None and not ignores_walls and spacing <= COARSE * sizes.wanted:
         for _ in range(BENDS):
             grown = _bent(free_space, vertices, edges, sizes.radii)
             if len(grown) == len(vertices):
