@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from stplan.analysis.own_costs import own_costs
-from stplan.arrays import FloatArray
+from stplan.arrays import FloatArray, Point
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.shortest_ways import shortest_lengths
 from stplan.problem.world_lines import WorldLines
@@ -98,12 +98,32 @@ def bound_with(scene: Scene, lines: WorldLines, least: FloatArray) -> CostBound:
 
 def least_costs(problem: PlanningProblem) -> FloatArray:
     """(A,) what every agent that plans its motion pays at least on any plan; 0 for the others."""
+    points = {a: one.points for one in problem.scene.assignments for a in one.members}
     return np.array(
         [
-            0.0 if agent.path is not None else (1.0 - ROUNDING) * _least_cost(agent, lengths)
-            for agent, lengths in zip(problem.scene.agents, shortest_lengths(problem), strict=True)
+            0.0
+            if agent.path is not None
+            else (1.0 - ROUNDING)
+            * _least_cost(agent, _open_ended(agent, lengths, points.get(a, ())))
+            for a, (agent, lengths) in enumerate(
+                zip(problem.scene.agents, shortest_lengths(problem), strict=True)
+            )
         ]
     )
+
+
+def _open_ended(agent: Agent, legs: FloatArray, points: Sequence[Point]) -> FloatArray:
+    """Lengths of ways between stops (m), of which the last leads straight to the nearest possible end.
+
+    Ends may be anywhere in the agent's places, or on one of the `points` that are assigned.
+    """
+    if not agent.goal_places and not points:
+        return legs
+    import shapely
+
+    origin = shapely.points([agent.start, *agent.waypoints][-1])
+    ends = [place.shape() for place in agent.goal_places] or list(shapely.points(np.array(points)))
+    return np.append(legs[:-1], min(legs[-1], float(shapely.distance(ends, origin).min())))
 
 
 def _least_cost(agent: Agent, legs: FloatArray) -> float:

@@ -133,3 +133,12 @@ def test_the_certificate_knows_the_place() -> None:
     broken = check(scene, found.trajectories.with_knots(knots))
     assert not broken.holds
     assert "c: ends at (8, 1.5), 1.12 m outside place lawn" in broken.violations[0]
+
+
+def test_what_a_plan_costs_at_least_holds_for_any_end() -> None:
+    found = plan(parse_scene(SLANTED))
+    bound = found.report.bound
+    assert bound is not None
+    # Straight to the line, in 20 s: what the two pay at least, wherever they end.
+    assert bound.least[:2] == pytest.approx([0.5 * (12 / np.sqrt(2)) ** 2 / 20.0] * 2, rel=1e-6)
+    assert (bound.least <= bound.costs).all()
