@@ -19,6 +19,7 @@ from stplan.certify.pair_clearance import nearest_moments
 from stplan.compiled import working_time
 from stplan.drafts import tight_seeds
 from stplan.errors import SeedingError
+from stplan.problem.arrivals import hurried
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
@@ -66,7 +67,8 @@ def best_seeds(problem: PlanningProblem, *, progress: Progress) -> Contest:
     """Seeds to choose from.
 
     They come from `seeding.rng_seed` and the numbers after it. Each may take a `seeding.time_limit` of its
-    own, so that one that is slow leaves the others as they are.
+    own, so that one that is slow leaves the others as they are. Where nobody has a use for the horizon, an
+    earlier one is tried first, for half the time.
 
     Raises:
         SeedingError: there is none; its reasons are in the user's units.
@@ -79,6 +81,27 @@ def best_seeds(problem: PlanningProblem, *, progress: Progress) -> Contest:
 
 
 def _contest(problem: PlanningProblem, progress: Progress) -> Contest:
+    """Seeds within an earlier horizon where there is one and it leads to any, else within the scene's."""
+    sooner = hurried(problem.scene)
+    if sooner is None:
+        return _best_seeds(problem, progress)
+    limit, began = problem.scene.seeding.time_limit, working_time()
+    early = np.array([agent.max_time for agent in sooner.agents])
+    try:
+        return _best_seeds(
+            _limited(replace(problem, scene=sooner, max_times=early), 0.5 * limit), progress
+        )
+    except SeedingError:
+        return _best_seeds(_limited(problem, limit - (working_time() - began)), progress)
+
+
+def _limited(problem: PlanningProblem, limit: float) -> PlanningProblem:
+    """`problem` with another `seeding.time_limit`, s."""
+    seeding = replace(problem.scene.seeding, time_limit=limit)
+    return replace(problem, scene=replace(problem.scene, seeding=seeding))
+
+
+def _best_seeds(problem: PlanningProblem, progress: Progress) -> Contest:
     scene, settings = problem.scene, problem.scene.seeding
     portfolio = prepare_portfolio(problem)
     effort = EFFORTS[scene.solver.effort]

@@ -146,7 +146,7 @@ def plan(
         if len(rivals) > 1:
             progress(f"plan {number} of {len(rivals)}, from the seed by {initial.seed.found_by}")
         if plans:
-            other = _rival(problem, initial, rivals[0], plans, stop=stop, clock=clock)
+            other = _rival(problem, initial, plans, stop=stop, clock=clock)
             plans += [] if other is None else [other]
             continue
         with clock.stage("optimise"):
@@ -334,17 +334,16 @@ def find_initial_curves(
 def _rival(
     problem: PlanningProblem,
     initial: InitialCurves,
-    first: InitialCurves,
     plans: Sequence[Plan],
     *,
     stop: Stop,
     clock: Clock,
 ) -> Plan | None:
-    """The plan from another seed than the `first`, None where a few iterations tell that it is dearer."""
+    """The plan from another seed, None where a few iterations tell that it is dearer than the best."""
     from stplan.improvement.trials import Trials
 
     problem = sharpened(problem, initial.seed.world_lines)
-    trials = Trials(problem, first.seed.world_lines, stop)
+    trials = Trials(problem, stop)
     best = min(own_cost(plan.scene, plan.trajectories or plan.seed) for plan in plans)
     with clock.stage("optimise"):
         short = trials.shortly(initial.seed.world_lines, best / problem.frame.cost)

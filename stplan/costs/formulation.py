@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -19,9 +19,14 @@ class Scales:
     """Weights derived from a seed.
 
     Attributes:
-        energy: E, mean kinetic cost per agent, the unit of the objective.
+        energy: E, the mean of the agents' E_a, the unit of the objective.
+        own: (A,) E_a, J s: the kinetic cost of an agent's seed, or what stands for it.
         mu: barrier weight of the first outer iteration.
+        barrier: (A,) what an agent feels of it, E_a / E (1 where the scene gives mu); 0 where motion is
+            prescribed.
+        excess: (A,) all that an agent pays on its seed, over E_a; at least 1.
         regularity: (A,) K^R.
+        kinetic: (A,) K^K, or more where an agent hardly minds its motion: what E_a is worth.
         stiffness: (A,) mass over the mean duration of a segment, kg/s: the scale of kinetic second
             derivatives.
         pair_reach: (A, A) m, clearance at which repulsion starts.
@@ -29,11 +34,28 @@ class Scales:
     """
 
     energy: float
+    own: FloatArray
     mu: float
+    barrier: FloatArray
+    excess: FloatArray
     regularity: FloatArray
+    kinetic: FloatArray
     stiffness: FloatArray
     pair_reach: FloatArray
     wall_reach: FloatArray
+
+    @property
+    def pair_barrier(self) -> FloatArray:
+        """(A, A) what pairs feel of mu: the geometric mean, or one's own where the other is prescribed."""
+        own = np.where(self.barrier > 0.0, self.barrier, 1.0)
+        mean = np.sqrt(own[:, None] * own[None, :])
+        fixed = self.barrier == 0.0
+        mean = np.where(fixed[:, None], self.barrier[None, :], mean)
+        return np.where(fixed[None, :], self.barrier[:, None], mean)
+
+    def lead_in(self, factor: float) -> Scales:
+        """With barriers `factor` times as strong, but no more than what an agent pays asks for."""
+        return replace(self, barrier=self.barrier * np.minimum(self.excess, factor))
 
 
 @dataclass(frozen=True)

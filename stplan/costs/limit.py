@@ -5,12 +5,12 @@ agents). With f = |w|^2 / limit^2 a limit enters the objective in one of two way
 
     barrier   mu w b(1 - f), the barrier of `contacts.barrier`, undefined from f = 1 on, with a weight w that
               keeps the sum from growing with the number of knots;
-    penalty   (sqrt(f) - aim)^2 where sqrt(f) > aim, defined everywhere: it leads curves that break
+    penalty   w (sqrt(f) - aim)^2 where sqrt(f) > aim, defined everywhere: it leads curves that break
               a limit to where the barrier can take over.
 
 Derivatives: with J = dw and K_k = ddw_k,  df = 2 J^T w / limit^2,  ddf = 2 (J^T J + sum w_k K_k) / limit^2,
 and those of phi(f) follow. phi' >= 0 and phi'' >= 0, so leaving out K gives a positive semidefinite
-stand-in.
+stand-in, which penalties use.
 """
 
 from __future__ import annotations
@@ -26,8 +26,10 @@ from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import kernel
 from stplan.costs.blocks import joined_structure, pack_blocks
 from stplan.costs.contacts.barrier import barrier
+from stplan.costs.contacts.shares import segment_shares
 from stplan.costs.formulation import TermSetup
 from stplan.nlp.term import Capability, Structure, Term
+from stplan.problem.layout import KnotLayout
 
 # Feasibility is restored where every limit is kept to this share.
 CONTENT = 0.98
@@ -85,6 +87,12 @@ def limits_among(terms: Sequence[Term]) -> list[Limiting]:
     return [cast(Limiting, term) for term in terms if Capability.LIMIT in term.capabilities]
 
 
+def limit_weights(layout: KnotLayout, weights: FloatArray | None) -> FloatArray:
+    """(A,) of sums over an agent's segments, given `weights` (A,) of agents (None: all alike)."""
+    shares = segment_shares(layout.num_segments)
+    return shares if weights is None else weights * shares
+
+
 class MotionLimit(Term):
     """Keeps N vectors below their limits.
 
@@ -93,7 +101,7 @@ class MotionLimit(Term):
         limits: (N,) in the unit of the vectors.
         profile: how the limit enters.
         num_knots: M.
-        weights: (N,) w of the barriers, 1 by default.
+        weights: (N,) w, 1 by default.
     """
 
     capabilities = Capability.LIMIT | Capability.RESTORING
@@ -123,11 +131,12 @@ class MotionLimit(Term):
         """(N,) |w| over its limit."""
         return np.hypot(*self._vectors(knots).value.T) / self._limits
 
-    def least_slack(self, knots: FloatArray) -> float:
-        """The least 1 - f, inf where nothing is limited or no barrier limits it."""
+    def leaves_slack(self, start: FloatArray, end: FloatArray, share: float) -> bool:
+        """Whether every 1 - f at `end` is at least a `share` of that at `start`; penalties always do."""
         if isinstance(self._profile, LimitPenalty):
-            return np.inf
-        return float((1.0 - self.shares(knots) ** 2).min(initial=np.inf))
+            return True
+        before, after = (1.0 - self.shares(knots) ** 2 for knots in (start, end))
+        return bool((after >= share * before).all())
 
     def is_kept(self, knots: FloatArray) -> bool:
         """Whether every limit is kept with a little to spare."""
@@ -143,12 +152,12 @@ class MotionLimit(Term):
         if isinstance(self._profile, LimitBarrier):
             _barriers(squared, self._profile.mu * self._weights, self._profile.reach, result)
             return result
-        weight, aim = self._profile.weight, self._profile.aim
+        weight, aim = self._profile.weight * self._weights, self._profile.aim
         share = np.sqrt(squared)
         over = share > aim
-        result[0, over] = weight * (share[over] - aim) ** 2
-        result[1, over] = weight * (1.0 - aim / share[over])
-        result[2, over] = 0.5 * weight * aim / share[over] ** 3
+        result[0, over] = weight[over] * (share[over] - aim) ** 2
+        result[1, over] = weight[over] * (1.0 - aim / share[over])
+        result[2, over] = 0.5 * weight[over] * aim / share[over] ** 3
         return result
 
     def value(self, knots: FloatArray) -> float:
@@ -183,8 +192,11 @@ class MotionLimit(Term):
         return self.hessian_structure()
 
     def gauss_newton_hessian(self, knots: FloatArray) -> FloatArray:
-        """Without the curvature of the vectors: positive semidefinite."""
-        return self._second(knots, exact=False)
+        """Of barriers the exact one, indefinite as it is; of penalties the positive semidefinite part.
+
+        Without the curvature of the vectors steps along a limit are far longer than the Hessian holds true.
+        """
+        return self._second(knots, exact=isinstance(self._profile, LimitBarrier))
 
     def _pairs(self) -> list[tuple[int, int]]:
         count = self._stencils.shape[1]

@@ -174,7 +174,7 @@ class _Search:
         self._known: set[bytes] = set()
         self._least: FloatArray | None = None
         self._moves = 0
-        self._trials = Trials(problem, lines, self._stopped)
+        self._trials = Trials(problem, self._stopped)
         self.kept_last = False
         self._start = float(own_costs(problem.scene, lines).sum())
         self._best = _Best(lines, self._start)

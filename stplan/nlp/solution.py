@@ -13,7 +13,7 @@ class Iteration:
     """What a solver says after an iteration.
 
     `step` is the largest entry of the full step, m or s; it says nothing about convergence where the
-    Hessian was `damped` to make it convex.
+    Hessian was `damped` to make it convex. `share` of it was taken.
     """
 
     number: int
@@ -21,6 +21,7 @@ class Iteration:
     step: float
     damped: bool
     knots: FloatArray
+    share: float = 1.0
 
 
 @dataclass(frozen=True)

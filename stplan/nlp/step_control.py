@@ -3,8 +3,9 @@
 The program itself is a pure function of the knots. A solver asks this object instead, which refuses further
 points (by a value of inf) so that every accepted iterate is a valid plan of the seed's homotopy class:
 
-- No step uses up nearly all of the least clearance or slack: without this fraction-to-the-boundary rule a
-  long step can land a hair's breadth from contact, where the barrier is too steep to ever leave again.
+- No step uses up nearly all of the least clearance, or of what any limit leaves: without this
+  fraction-to-the-boundary rule a long step can land a hair's breadth from contact, where the barrier is too
+  steep to ever leave again.
 - Nothing is crossed on the straight way from the last iterate.
 
 After steps that clearances have cut short the Hessian is damped, as Levenberg and Marquardt do: it knows
@@ -22,7 +23,7 @@ from stplan.arrays import FloatArray
 from stplan.nlp.program import NonlinearProgram
 from stplan.nlp.term import Capability, Term
 
-# A step keeps at least this share of the smallest clearance, and of the smallest slack of a limit.
+# A step keeps at least this share of the smallest clearance, and of the slack of every limit.
 KEPT_SHARE = 0.2
 # Shares of the full step below which damping grows, and above which it falls; by which factors.
 SHORT_STEP, LONG_STEP = 0.3, 0.7
@@ -114,9 +115,8 @@ class StepControl:
         self._touched = False
         knots = x.reshape(-1, 3)
         self._iterate = knots.copy()
-        least, slack = self.least_clearance(knots), self._least_slack(knots)
+        least = self.least_clearance(knots)
         self._floor = KEPT_SHARE * least if np.isfinite(least) else 0.0
-        self._slack_floor = KEPT_SHARE * slack if np.isfinite(slack) else 0.0
 
     def is_stale(self) -> bool:
         """Whether an interaction that is felt at the iterate has no room in the Hessian's structure."""
@@ -125,9 +125,6 @@ class StepControl:
     def least_clearance(self, knots: FloatArray) -> float:
         """Smallest clearance that a barrier feels, m; inf where none is felt."""
         return min((term.least_clearance(knots) for term in self._terms), default=np.inf)
-
-    def _least_slack(self, knots: FloatArray) -> float:
-        return min((term.least_slack(knots) for term in self._terms), default=np.inf)
 
     def _evaluate(self, x: FloatArray) -> None:
         key = x.tobytes()
@@ -160,7 +157,7 @@ class StepControl:
         if self.least_clearance(knots) < self._floor:
             self._touched = True
             return np.inf
-        if self._least_slack(knots) < self._slack_floor:
+        if not all(term.leaves_slack(self._iterate, knots, KEPT_SHARE) for term in terms):
             return np.inf
         for term in terms:
             if not term.allows_step(self._iterate, knots):

@@ -90,10 +90,10 @@ class Term(Protocol):
         del knots
         return 0.0
 
-    def least_slack(self, knots: FloatArray) -> float:
-        """Smallest part that a barrier feels of what a limit leaves, in [0, 1]; inf where there is none."""
-        del knots
-        return np.inf
+    def leaves_slack(self, start: FloatArray, end: FloatArray, share: float) -> bool:
+        """Whether at knots `end` no limit leaves less than a `share` of what it leaves at `start`."""
+        del start, end, share
+        return True
 
     def allows_step(self, start: FloatArray, end: FloatArray) -> bool:
         """Whether nothing is crossed on the straight way from feasible knots `start` to `end`."""

@@ -7,7 +7,7 @@ and rebuilt (warm) when an interaction is felt that its sparsity structure has n
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from stplan.nlp.step_control import StepControl, Stopwatch
 from stplan.nlp.term import Term
 from stplan.optimize.assembly import assemble, formulate, sharpness_of
 from stplan.optimize.constraints import build_constraints
+from stplan.optimize.convergence import AT_THE_END, ON_THE_WAY, Judge
 from stplan.optimize.cost_scales import CostScales, written_costs
 from stplan.optimize.free_ends import into_place
 from stplan.problem.planning_problem import PlanningProblem
@@ -31,23 +32,11 @@ from stplan.status import Status
 
 LiveLine = Callable[[Callable[[], str]], None]
 Observer = Callable[[FloatArray, Sequence[Term]], None]
+# From what judges, the run's control and the iterations before it to what is asked after every iteration.
+Watched = Callable[[Judge, StepControl, int], Callable[[Iteration], bool]]
 
-# A stale structure is rebuilt after at least this many iterations.
-REBUILD_EVERY = 8
-
-
-@dataclass(frozen=True)
-class _Patience:
-    """A run ends when the objective's relative fall over `window` iterations is below `share` of
-    the optimality tolerance."""
-
-    window: int
-    share: float
-
-
-# The last mu decides the plan; on the way to it the central path is only followed roughly.
-ON_THE_WAY = _Patience(window=2, share=1e-1)
-AT_THE_END = _Patience(window=4, share=1e-2)
+# Barriers of the lead-in become so much weaker every outer iteration, until they have their own size.
+LEAD_IN_DECAY = 0.3
 
 
 @dataclass(frozen=True)
@@ -113,52 +102,6 @@ class Optimisation:
     nonzeros: int = 0
 
 
-class _Stop:
-    """Decides after every iteration whether an outer iteration is over, and remembers why.
-
-    Runs that are only cut short for a new structure count as one: `control` is the present one's.
-    """
-
-    def __init__(
-        self, scene: Scene, floor: float, patience: _Patience, interrupted: Callable[[], bool]
-    ) -> None:
-        self._solver = scene.solver
-        self._floor = floor
-        self._patience = patience
-        self._interrupted = interrupted
-        # The paper's centimetre suits people; a maze of vacuum cleaners needs a share of their size.
-        self._step_unit = min(1.0, *(agent.radius for agent in scene.agents))
-        self._values: list[float] = []
-        self.control: StepControl | None = None
-        self.status: Status | None = None
-        self.stale = False
-
-    def __call__(self, iteration: Iteration) -> bool:
-        if iteration.number or not self._values:
-            self._values.append(iteration.objective)
-        self.stale = False
-        if self._interrupted():
-            self.status = Status.INTERRUPTED
-        elif iteration.number >= REBUILD_EVERY and self.control and self.control.is_stale():
-            self.stale = True
-        elif self._has_converged(iteration):
-            self.status = Status.CONVERGED
-        return self.stale or self.status is not None
-
-    def _has_converged(self, iteration: Iteration) -> bool:
-        if iteration.number < 1:
-            return False
-        small = self._solver.step_tolerance * self._step_unit
-        if iteration.step <= small and not iteration.damped:
-            return True
-        window = self._patience.window
-        if len(self._values) <= window:
-            return False
-        fall = self._values[-1 - window] - self._values[-1]
-        scale = max(abs(self._values[-1] - self._floor), 1e-12)
-        return fall <= self._patience.share * self._solver.optimality_tolerance * scale
-
-
 def optimise(
     problem: PlanningProblem,
     seed: WorldLines,
@@ -168,6 +111,7 @@ def optimise(
     observe: Observer | None = None,
     live: LiveLine | None = None,
     backend: Backend | None = None,
+    begin: int = 0,
 ) -> Optimisation:
     """Make `seed` smooth and cheap by the paper's outer loop.
 
@@ -177,6 +121,7 @@ def optimise(
         observe: called with the knots (M, 3) and the terms of the objective after every iteration.
         live: given a maker of the same line after every iteration, to be called at once or not at all.
         backend: what solves the nonlinear programs, Ipopt as the scene has it by default.
+        begin: outer iterations of the scene's settings that `seed` has behind it, from an earlier run.
 
     Raises:
         SolverError: Ipopt lacks the linear solver or an option asked for.
@@ -184,7 +129,7 @@ def optimise(
     formulation = formulate(problem, seed)
     solver = ipopt(problem.scene) if backend is None else backend
     loop = _Loop(formulation, seed, solver, progress, stop, observe, live)
-    return loop.run()
+    return loop.run(begin)
 
 
 def ipopt(scene: Scene) -> Ipopt:
@@ -197,6 +142,17 @@ def ipopt(scene: Scene) -> Ipopt:
     return Ipopt(
         chosen_linear_solver(scene), solver.hessian == "limited-memory", dict(solver.ipopt)
     )
+
+
+@dataclass(frozen=True)
+class _Minimised:
+    """What came of minimising at one mu; `before` is the objective there was."""
+
+    control: StepControl
+    solution: Solution
+    iterations: int
+    rebuilds: int
+    before: float
 
 
 class _Loop:
@@ -226,18 +182,20 @@ class _Loop:
         self._done: list[OuterIteration] = []
         self._seed_costs: dict[str, float] = {}
         self._seed_scales = CostScales(formulation, formulation.scales.mu, {})
-        self._iterations = self._nonzeros = 0
         self._mu = formulation.scales.mu
+        self._iterations = self._nonzeros = self._total = 0
         self._terms: Sequence[Term] = ()
-        # What the regularity term costs at its best: no part of the objective worth converging.
-        self._floor = float((formulation.scales.regularity * formulation.layout.num_segments).sum())
 
-    def run(self) -> Optimisation:
+    def run(self, begin: int) -> Optimisation:
         """All outer iterations, or until one is interrupted or gets nowhere."""
-        solver = self._formulation.problem.scene.solver
-        mu = self._formulation.scales.mu
-        for outer in range(solver.outer_iterations):
-            moved = self._outer_iteration(outer, mu)
+        given = self._formulation.scales
+        schedule = _schedule(self._formulation, begin)
+        self._total = len(schedule)
+        for outer, (mu, factor) in enumerate(schedule):
+            scales = given.lead_in(factor) if factor > 1.0 else given
+            self._formulation = replace(self._formulation, scales=scales)
+            self._mu = mu
+            moved = self._outer_iteration(outer, mu, mu * factor)
             if not self._done:
                 break
             done = self._done[-1]
@@ -248,17 +206,39 @@ class _Loop:
             # Where nothing moves any more, curves are too near their limits: the last mu's are the result.
             if done.status is Status.INTERRUPTED or (done.status is Status.FAILED and not moved):
                 break
-            mu *= solver.mu_decay
         return self._result()
 
-    def _outer_iteration(self, outer: int, mu: float) -> bool:
+    def _outer_iteration(self, outer: int, mu: float, greatest: float) -> bool:
         """Minimise at one mu; returns whether that changed the objective.
 
-        From a seed that touches something nothing is done.
+        `greatest` is what mu is said to be: in the lead-in, that of the agents who feel most of it.
+        """
+        patience = AT_THE_END if outer == self._total - 1 else ON_THE_WAY
+        judge = Judge(self._formulation, patience, self._stop)
+        done = self._minimise(
+            mu, judge,
+            lambda judge, control, used: self._watched(judge, control, outer, greatest, used),
+        )  # fmt: skip
+        if done is None:
+            return False
+        control, frame = done.control, self._formulation.problem.frame
+        moved = done.before != control.value(self._knots.ravel())
+        self._done.append(
+            OuterIteration(
+                outer + 1, frame.cost * greatest, done.iterations, done.rebuilds,
+                sum(self._costs(control.terms).values()),
+                frame.length * control.least_clearance(self._knots),
+                _judged(judge, done.solution, moved),
+            )
+        )  # fmt: skip
+        return moved
+
+    def _minimise(self, mu: float, judge: Judge, watched: Watched) -> _Minimised | None:
+        """Move the knots to where the objective at `mu` is least, as `judge` sees it.
+
+        From a seed that touches something nothing is done: None.
         """
         scene = self._formulation.problem.scene
-        patience = AT_THE_END if outer == scene.solver.outer_iterations - 1 else ON_THE_WAY
-        stop = _Stop(scene, self._floor, patience, self._stop)
         warm_start: WarmStart | None = None
         used = rebuilds = 0
         damping = 0.0
@@ -275,55 +255,45 @@ class _Loop:
                 self._seed_scales = CostScales(self._formulation, mu, sharpness_of(control.terms))
                 self._terms = control.terms
             if not np.isfinite(before):
-                return False
+                return None
             self._nonzeros = max(self._nonzeros, len(program.hessian_structure[0]))
-            stop.control, stop.stale = control, False
+            judge.control, judge.stale = control, False
             solution = self._backend.solve(
                 control,
                 self._knots,
                 max_iterations=scene.solver.max_iterations - used,
                 objective_scale=1.0 / self._formulation.scales.energy,
-                stop=self._watched(stop, control, outer, mu, used),
+                stop=watched(judge, control, used),
                 warm_start=warm_start,
             )
             self._knots = solution.knots
             self._sharpness = sharpness_of(control.terms)
             used += solution.iterations
             damping = control.damping
-            if not stop.stale or used >= scene.solver.max_iterations:
+            if not judge.stale or used >= scene.solver.max_iterations:
                 break
             warm_start = solution.warm_start
             rebuilds += 1
         self._iterations += used
         self._terms = control.terms
-        self._mu = mu
-        after, frame = control.value(self._knots.ravel()), self._formulation.problem.frame
-        self._done.append(
-            OuterIteration(
-                outer + 1, frame.cost * mu, used, rebuilds, sum(self._costs(control.terms).values()),
-                frame.length * control.least_clearance(self._knots),
-                _judge(stop, solution, moved=before != after),
-            )
-        )  # fmt: skip
-        return before != after
+        return _Minimised(control, solution, used, rebuilds, before)
 
     def _line(self, outer: int, mu: float, objective: float, least: float, used: int) -> str:
-        total = self._formulation.problem.scene.solver.outer_iterations
         return (
-            f"outer {outer + 1}/{total}  mu {mu:.3g}  objective {objective:.6g}  "
+            f"outer {outer + 1}/{self._total}  mu {mu:.3g}  objective {objective:.6g}  "
             f"rod clearance {least:.3g} m  {used} iterations"
         )
 
     def _watched(
-        self, stop: _Stop, control: StepControl, outer: int, mu: float, used: int
+        self, judge: Judge, control: StepControl, outer: int, mu: float, used: int
     ) -> Callable[[Iteration], bool]:
-        """`stop`, telling the observer and the live line about every iteration."""
+        """`judge`, telling the observer and the live line about every iteration."""
         frame = self._formulation.problem.frame
 
         def watched(iteration: Iteration) -> bool:
             if self._observe is not None:
                 self._observe(iteration.knots, control.terms)
-            over = stop(iteration)
+            over = judge(iteration)
             if self._live is not None:
                 self._live(
                     lambda: self._line(
@@ -360,10 +330,23 @@ class _Loop:
         )
 
 
-def _judge(stop: _Stop, solution: Solution, moved: bool) -> Status:
+def _schedule(formulation: Formulation, begin: int) -> list[tuple[float, float]]:
+    """mu of every outer iteration from `begin` on, and how much stronger barriers may still be meanwhile.
+
+    Where agents pay much more than what their motion costs, a lead-in goes before: see `Scales.lead_in`.
+    """
+    solver, scales = formulation.problem.scene.solver, formulation.scales
+    mu = scales.mu * solver.mu_decay**begin
+    lead = int(np.ceil(np.log(scales.excess.max()) / np.log(1.0 / LEAD_IN_DECAY) - 1.0))
+    leading = [(mu, LEAD_IN_DECAY**-ahead) for ahead in range(max(lead, 0), 0, -1)]
+    outers = range(begin, solver.outer_iterations)
+    return leading + [(scales.mu * solver.mu_decay**outer, 1.0) for outer in outers]
+
+
+def _judged(judge: Judge, solution: Solution, moved: bool) -> Status:
     """How an outer iteration ended: as its last run did, unless it was stopped for a reason."""
-    if stop.status is not None:
-        return stop.status
+    if judge.status is not None:
+        return judge.status
     # Stopped only to be rebuilt, with no iterations left for that.
     if solution.status in (Status.INTERRUPTED, Status.LIMIT):
         return Status.LIMIT if moved else Status.FAILED

@@ -54,6 +54,7 @@ class CostScales:
         content: dict[str, Any] = {
             "energy": frame.cost * scales.energy,
             "mu": frame.cost * self.mu,
+            "barrier": dict(zip(ids, scales.barrier.tolist(), strict=True)),
             "padding": formulation.padding,
             "barrier_range": self._barrier_range(),
             "limit_range": LimitBarrier(self.mu).reach,

@@ -1,8 +1,13 @@
-"""Scales of a scene: barrier weight, regularity weight and barrier range from the seed's own cost.
+"""Scales of a scene: weights of barriers and regularity, and ranges, from every agent's cost on its seed.
 
-An absolute mu or K^R would swamp cheap agents and drown in dear ones. With E the mean kinetic cost of the
-seed's agents, mu starts at a thousandth of E, and K^R_a makes the least regularity cost K^R n a
-hundredth of the agent's own kinetic cost.
+An absolute mu or K^R would swamp cheap agents and drown in dear ones, and so would one of all agents
+together where one of them is a thousand times as dear as another. With E_a an agent's kinetic cost on its
+seed, what it feels of barriers starts at a thousandth of E_a, and K^R_a makes its least regularity cost
+K^R n a hundredth.
+
+Where an agent pays much more for being late, or for turning, than for its motion, barriers of that size are
+drowned too: iterates would run into the limits of motion and crawl along them. There they start at
+a thousandth of all that the agent pays, see `Scales.lead_in`.
 """
 
 from __future__ import annotations
@@ -12,15 +17,17 @@ import numpy as np
 from stplan.arrays import FloatArray
 from stplan.costs.formulation import Scales
 from stplan.costs.terms.kinetic import Kinetic
+from stplan.optimize.payments import Payments
 from stplan.problem.layout import KnotLayout
 from stplan.problem.planning_problem import PlanningProblem
 
 # mu of the first outer iteration over E.
 MU_SHARE = 1e-3
-# K^R n over the agent's kinetic cost.
+# K^R n over the agent's E_a.
 REGULARITY_SHARE = 1e-2
-# Agents that mind their kinetic cost less than this are as stiff as if they minded it so much.
-LEAST_WEIGHT = 1e-3
+# E_a is at least this share of all that the agent pays, and of the mean of all: who stands still, or does
+# not mind its motion, pays no kinetic cost.
+LEAST_SHARE, STANDING_SHARE = 0.1, 1e-6
 # Barrier range over the distance R_ab of a pair, and over the radius at walls.
 RANGE_SHARE = 0.25
 
@@ -30,13 +37,13 @@ def derive_scales(problem: PlanningProblem, layout: KnotLayout, knots: FloatArra
     scene, interactions = problem.scene, problem.interactions
     masses, radii = problem.masses, problem.radii
     weights = np.array([agent.weights.kinetic for agent in scene.agents])
-    own = Kinetic(layout, weights, masses).per_agent(knots)
-    energy = float(own.mean())
-    if energy <= 0.0:
-        energy = 1.0
-    # An agent that need not move still gets a regularity of the scene's scale.
-    typical = np.where(own > 1e-3 * energy, own, energy)
-    automatic = REGULARITY_SHARE * typical / layout.num_segments
+    moving = Kinetic(layout, np.ones_like(weights), masses).per_agent(knots)
+    paid = Payments(problem, layout).paid(knots)
+    own = np.maximum(weights * moving, LEAST_SHARE * paid)
+    movers = ~problem.prescribed
+    energy = float(own[movers].mean()) if own[movers].any() else 1.0
+    own = np.where(own > STANDING_SHARE * energy, own, energy)
+    automatic = REGULARITY_SHARE * own / layout.num_segments
     regularity = np.array(
         [
             automatic[a] if agent.weights.regularity is None else agent.weights.regularity
@@ -44,14 +51,22 @@ def derive_scales(problem: PlanningProblem, layout: KnotLayout, knots: FloatArra
         ]
     )
     durations = knots[layout.last, 2] - knots[layout.first, 2]
-    given = scene.solver.barrier_range
+    # Who minds its kinetic cost less than E_a is as stiff as if it minded it so much.
+    worth = np.where(moving > STANDING_SHARE * energy, own / np.maximum(moving, 1e-300), weights)
+    given, barrier_range = scene.solver.mu, scene.solver.barrier_range
     return Scales(
         energy=energy,
-        mu=MU_SHARE * energy if scene.solver.mu is None else scene.solver.mu,
+        own=own,
+        mu=MU_SHARE * energy if given is None else given,
+        barrier=np.where(movers, own / energy if given is None else 1.0, 0.0),
+        excess=np.maximum(paid / own, 1.0) if given is None else np.ones_like(own),
         regularity=regularity,
-        stiffness=np.maximum(weights, LEAST_WEIGHT) * masses * layout.num_segments / durations,
+        kinetic=np.maximum(weights, worth),
+        stiffness=np.maximum(weights, worth) * masses * layout.num_segments / durations,
         pair_reach=RANGE_SHARE * interactions.distance
-        if given is None
-        else np.full_like(interactions.distance, given),
-        wall_reach=RANGE_SHARE * 2 * radii if given is None else np.full_like(radii, given),
+        if barrier_range is None
+        else np.full_like(interactions.distance, barrier_range),
+        wall_reach=RANGE_SHARE * 2 * radii
+        if barrier_range is None
+        else np.full_like(radii, barrier_range),
     )

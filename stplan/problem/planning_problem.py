@@ -16,6 +16,7 @@ import numpy as np
 from stplan.arrays import BoolArray, FloatArray
 from stplan.geometry.boundary_grid import BoundaryGrid
 from stplan.memory import require_memory
+from stplan.problem.arrivals import free_arrival
 from stplan.problem.planning_frame import PlanningFrame
 from stplan.problem.written_scene import WrittenScene
 from stplan.scene.interactions import Interactions, Meeting, scene_interactions, scene_meetings
@@ -40,8 +41,8 @@ class PlanningProblem:
         agent_ids: for messages.
         starts, goals: (A, 2) in m.
         start_times, max_times: (A,) in s.
-        preferred_times: (A,) when an agent would like to arrive (s): its preferred time where that
-            has weight, else `max_times`, because slow is cheap.
+        preferred_times: (A,) when an agent would like to arrive (s), see `stplan.problem.arrivals`:
+            `max_times` where no time has weight, because slow is cheap.
         radii, masses: (A,) in m and kg.
         stays: (A,) whether the agent stands on its goal until `final_time`.
         interactions: who keeps which distance from whom, and how strongly.
@@ -77,12 +78,6 @@ class PlanningProblem:
     ) -> PlanningProblem:
         """The problem of `scene` in `free_space` (None is the open plane), both as they are `written`."""
         agents = scene.agents
-        preferred = [
-            agent.max_time
-            if agent.preferred_time is None or agent.weights.arrival <= 0
-            else min(agent.preferred_time, agent.max_time)
-            for agent in agents
-        ]
         walls = None if free_space is None else free_space.boundary_segments
         return PlanningProblem(
             scene=scene,
@@ -93,7 +88,7 @@ class PlanningProblem:
             goals=np.array([agent.goal for agent in agents], dtype=np.float64),
             start_times=np.array([agent.start_time for agent in agents], dtype=np.float64),
             max_times=np.array([agent.max_time for agent in agents], dtype=np.float64),
-            preferred_times=np.array(preferred, dtype=np.float64),
+            preferred_times=np.array([free_arrival(agent) for agent in agents]),
             radii=np.array([agent.radius for agent in agents], dtype=np.float64),
             masses=np.array([agent.mass for agent in agents], dtype=np.float64),
             stays=np.array([agent.after_arrival == "stay" for agent in agents], dtype=bool),

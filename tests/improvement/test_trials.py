@@ -24,7 +24,7 @@ def seeded():
 
 
 def trials(seeded, stop=lambda: False) -> Trials:
-    return Trials(*seeded, stop)
+    return Trials(seeded[0], stop)
 
 
 def test_a_trial_comes_to_what_an_optimisation_comes_to(seeded):

@@ -93,6 +93,7 @@ def sample_program(
     limited: bool = False, penalties: Penalties | None = None, **solver: object
 ) -> NonlinearProgram:
     """A program at mu = 0.3, or one that restores feasibility with `penalties`."""
+    solver = {"mu": 0.3} | solver
     scene = limited_scene(**solver) if limited else sample_scene(**solver)
     knots = sample_knots()
     plane = PlanningProblem.from_scene(scene, None)

@@ -58,8 +58,8 @@ def test_every_registered_term_is_in_some_program() -> None:
 def test_restoration_leaves_preferences_out_and_prices_times() -> None:
     restoring = sample_program(True, PENALTIES, hessian="exact")
     names = {term.name for term in restoring.terms}
-    assert names.isdisjoint({"acceleration", "arrival"})
-    assert {"timing", "speed limit", "meeting", "collision", "wall", "kinetic"} <= names
+    assert "acceleration" not in names
+    assert {"timing", "arrival", "speed limit", "meeting", "collision", "wall", "kinetic"} <= names
     assert not restoring.exact
 
 

@@ -93,14 +93,14 @@ class BruteForce:
         velocity = np.diff(curve[:, :2], axis=0) / dt[:, None]
         speed = np.hypot(*velocity.T)
         if "max_speed" in agent:
-            found["speed limit"] = self._share(name) * self._limit(speed / agent["max_speed"])
+            found["speed limit"] = self._share(name) * self._limit(speed / agent["max_speed"], name)
         if "max_acceleration" in agent:
             change = np.hypot(*np.diff(velocity, axis=0).T) / (0.5 * (dt[1:] + dt[:-1]))
             found["acceleration limit"] = self._share(name) * self._limit(
-                change / agent["max_acceleration"]
+                change / agent["max_acceleration"], name
             )
             rest = speed[[0, -1]] / (0.5 * dt[[0, -1]])
-            found["rest limit"] = self._limit(rest / agent["max_acceleration"])
+            found["rest limit"] = self._limit(rest / agent["max_acceleration"], name)
         return found
 
     def _share(self, name: str) -> float:
@@ -113,8 +113,15 @@ class BruteForce:
         shares[len(self.curves[name]) - 1 :] = 1.0
         return shares
 
-    def _limit(self, share: np.ndarray) -> float:
-        return self.mu * sum(_barrier(1.0 - s**2, self.scales["limit_range"]) for s in share)
+    def _felt_mu(self, *names: str) -> float:
+        """mu as an agent or a pair feels it: the mean of those who are free to move."""
+        own = [self.scales["barrier"][name] for name in names if "path" not in self.agents[name]]
+        return self.mu * float(np.prod(own)) ** (1.0 / len(own)) if own else 0.0
+
+    def _limit(self, share: np.ndarray, *names: str) -> float:
+        return self._felt_mu(*names) * sum(
+            _barrier(1.0 - s**2, self.scales["limit_range"]) for s in share
+        )
 
     def _range(self, share: str, size: float) -> float:
         given = self.scales["barrier_range"]
@@ -154,7 +161,7 @@ class BruteForce:
                 if sum(weights) > 0.0:
                     free = gaps - distance * (1.0 + self.padding)
                     reach = self._range("share_of_distance", distance)
-                    strength = self.mu * 0.5 * sum(weights)
+                    strength = self._felt_mu(a, b) * 0.5 * sum(weights)
                     alpha = alphas.get((a, b), self.scales.get("alpha_0"))
                     weights = np.outer(
                         self._segment_shares(a, len(gaps)), self._segment_shares(b, len(gaps[0]))
@@ -204,8 +211,8 @@ class BruteForce:
         edges, corners = self._boundary
         found = []
         for name, curve in self.curves.items():
-            strength = self.mu * self.weight(name, "wall", 1.0)
-            if strength == 0.0 or "path" in self.agents[name]:
+            strength = self._felt_mu(name) * self.weight(name, "wall", 1.0)
+            if strength == 0.0:
                 continue
             path = shapely.linestrings(np.stack([curve[:-1, :2], curve[1:, :2]], axis=1))
             knots = shapely.points(curve[:, :2])
@@ -234,7 +241,7 @@ class BruteForce:
         found = []
         for a, i, b, j, within in self.scales.get("meetings", {}).get("rows", []):
             apart = np.hypot(*(self.curves[a][i, :2] - self.curves[b][j, :2]))
-            found.append(("meeting", self._limit(np.array([apart / within]))))
+            found.append(("meeting", self._limit(np.array([apart / within]), a, b)))
         return found
 
 

@@ -18,6 +18,7 @@ agents:
 - {{id: eve, start: [1, 2], goal: [8, 2], max_time: 18.0, radius: 0.25, {eve}
    weights: {{collision: 0.0, wall: 0.0}}}}
 {pairs}
+seeding: {{margin: 1.6}}
 solver: {{outer_iterations: 2, max_iterations: 25, {solver}}}
 """
 ROOM = """

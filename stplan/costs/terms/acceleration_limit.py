@@ -12,7 +12,6 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.costs.contacts.shares import segment_shares
 from stplan.costs.formulation import TermSetup
 from stplan.costs.limit import (
     MotionLimit,
@@ -20,6 +19,7 @@ from stplan.costs.limit import (
     Vectors,
     by_knots,
     limit_profile,
+    limit_weights,
     power_vectors,
 )
 from stplan.costs.registry import register
@@ -32,8 +32,14 @@ class AccelerationLimit(MotionLimit):
 
     name = "acceleration limit"
 
-    def __init__(self, layout: KnotLayout, limits: FloatArray, profile: Profile) -> None:
-        """`limits` (A,) in m/s^2, inf where an agent has none."""
+    def __init__(
+        self,
+        layout: KnotLayout,
+        limits: FloatArray,
+        profile: Profile,
+        weights: FloatArray | None = None,
+    ) -> None:
+        """`limits` (A,) in m/s^2, inf where an agent has none; `weights` (A,) of agents, 1 by default."""
         inner = np.isfinite(limits[layout.agent_of_knot])
         inner[layout.first] = inner[layout.last] = False
         middle = np.flatnonzero(inner)
@@ -42,7 +48,7 @@ class AccelerationLimit(MotionLimit):
             limits[layout.agent_of_knot[middle]],
             profile,
             layout.num_knots,
-            segment_shares(layout.num_segments)[layout.agent_of_knot[middle]],
+            limit_weights(layout, weights)[layout.agent_of_knot[middle]],
         )
 
     @classmethod
@@ -51,7 +57,8 @@ class AccelerationLimit(MotionLimit):
         limits = setup.formulation.limits("max_acceleration")
         if not np.isfinite(limits).any():
             return None
-        return cls(setup.formulation.layout, limits, limit_profile(setup))
+        formulation = setup.formulation
+        return cls(formulation.layout, limits, limit_profile(setup), formulation.scales.barrier)
 
     def vectors(self, local: FloatArray) -> Vectors:
         """Accelerations."""
@@ -89,8 +96,14 @@ class RestLimit(MotionLimit):
 
     name = "rest limit"
 
-    def __init__(self, layout: KnotLayout, limits: FloatArray, profile: Profile) -> None:
-        """`limits` (A,) in m/s^2, inf where an agent has none."""
+    def __init__(
+        self,
+        layout: KnotLayout,
+        limits: FloatArray,
+        profile: Profile,
+        weights: FloatArray | None = None,
+    ) -> None:
+        """`limits` (A,) in m/s^2, inf where an agent has none; `weights` (A,) of agents, 1 by default."""
         chosen = np.flatnonzero(np.isfinite(limits))
         start = np.concatenate([layout.first[chosen], layout.last[chosen] - 1])
         super().__init__(
@@ -98,6 +111,7 @@ class RestLimit(MotionLimit):
             np.tile(limits[chosen], 2),
             profile,
             layout.num_knots,
+            None if weights is None else np.tile(weights[chosen], 2),
         )
 
     @classmethod
@@ -106,7 +120,8 @@ class RestLimit(MotionLimit):
         limits = setup.formulation.limits("max_acceleration")
         if not np.isfinite(limits).any():
             return None
-        return cls(setup.formulation.layout, limits, limit_profile(setup))
+        formulation = setup.formulation
+        return cls(formulation.layout, limits, limit_profile(setup), formulation.scales.barrier)
 
     def vectors(self, local: FloatArray) -> Vectors:
         """Accelerations."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.costs.formulation import TermSetup
+from stplan.costs.formulation import Formulation, TermSetup
 from stplan.costs.registry import register
 from stplan.nlp.term import Capability, Structure, Term
 from stplan.problem.layout import KnotLayout
@@ -16,7 +16,7 @@ class Arrival(Term):
     """Quadratic cost of arriving before or after the preferred time."""
 
     name = "arrival"
-    capabilities = Capability.PRICE
+    capabilities = Capability.PRICE | Capability.RESTORING
 
     def __init__(self, layout: KnotLayout, weights: FloatArray, preferred: FloatArray) -> None:
         """`weights` K^T (A,), `preferred` T^p (A,) in s (any finite number where the weight is 0)."""
@@ -31,8 +31,11 @@ class Arrival(Term):
         weights = formulation.weights("arrival")
         if not weights.any():
             return None
-        preferred = [agent.preferred_time or 0.0 for agent in formulation.problem.scene.agents]
-        return cls(formulation.layout, weights, np.array(preferred))
+        layout, problem = formulation.layout, formulation.problem
+        if setup.penalties is not None:
+            return cls(layout, _restoring(formulation, weights), problem.preferred_times)
+        preferred = [agent.preferred_time or 0.0 for agent in problem.scene.agents]
+        return cls(layout, weights, np.array(preferred))
 
     def value(self, knots: FloatArray) -> float:
         """The cost in square seconds times weight."""
@@ -63,3 +66,14 @@ class Arrival(Term):
     def gauss_newton_hessian(self, knots: FloatArray) -> FloatArray:
         """The exact one, which is positive semidefinite."""
         return self.hessian(knots)
+
+
+def _restoring(formulation: Formulation, weights: FloatArray) -> FloatArray:
+    """(A,) weights that hold agents near their free arrivals without being dearer than their motion.
+
+    While limits are missed nobody can be on time, and a dear wish for it would win against them; but without
+    any an agent would slow down without end, because slow is cheap.
+    """
+    problem = formulation.problem
+    span = problem.preferred_times - problem.start_times
+    return np.minimum(weights, formulation.scales.own / span**2)

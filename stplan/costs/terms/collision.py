@@ -114,7 +114,11 @@ class Collision(ContactTerm):
         interactions = formulation.problem.interactions
         if not interactions.collides.any():
             return None
-        padded = replace(interactions, distance=interactions.distance * (1 + formulation.padding))
+        padded = replace(
+            interactions,
+            distance=interactions.distance * (1 + formulation.padding),
+            collision_weight=interactions.collision_weight * formulation.scales.pair_barrier,
+        )
         return cls(
             setup.knots, formulation.rods, padded, setup.mu, formulation.scales.pair_reach,
             smooth=formulation.smooth_minimum, sharpness=setup.sharpness.get(cls.name),

@@ -33,7 +33,11 @@ class Kinetic(Term):
     def build(cls, setup: TermSetup) -> Kinetic:
         """Every scene has it."""
         formulation = setup.formulation
-        return cls(formulation.layout, formulation.weights("kinetic"), formulation.problem.masses)
+        weights = formulation.weights("kinetic")
+        if setup.penalties is not None:
+            # Whoever does not mind its motion would be led nowhere.
+            weights = formulation.scales.kinetic
+        return cls(formulation.layout, weights, formulation.problem.masses)
 
     def _steps(self, knots: FloatArray) -> tuple[FloatArray, FloatArray]:
         step = knots[self._start + 1] - knots[self._start]

@@ -21,10 +21,15 @@ class MeetingLimit(MotionLimit):
     name = "meeting"
 
     def __init__(
-        self, links: IntArray, within: FloatArray, profile: Profile, num_knots: int
+        self,
+        links: IntArray,
+        within: FloatArray,
+        profile: Profile,
+        num_knots: int,
+        weights: FloatArray | None = None,
     ) -> None:
-        """`links` (L, 2) knots i < j of different agents, `within` (L,) in m."""
-        super().__init__(links, within, profile, num_knots)
+        """`links` (L, 2) knots i < j of different agents, `within` (L,) in m, `weights` (L,) or all 1."""
+        super().__init__(links, within, profile, num_knots, weights)
 
     @classmethod
     def build(cls, setup: TermSetup) -> MeetingLimit | None:
@@ -33,8 +38,10 @@ class MeetingLimit(MotionLimit):
         timed = formulation.timed
         if not len(timed.links):
             return None
-        num_knots = formulation.layout.num_knots
-        return cls(timed.links, timed.within, limit_profile(setup), num_knots)
+        layout = formulation.layout
+        first, second = layout.agent_of_knot[timed.links].T
+        weights = formulation.scales.pair_barrier[first, second]
+        return cls(timed.links, timed.within, limit_profile(setup), layout.num_knots, weights)
 
     def vectors(self, local: FloatArray) -> Vectors:
         """Relative positions."""

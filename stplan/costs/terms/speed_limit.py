@@ -5,9 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.costs.contacts.shares import segment_shares
 from stplan.costs.formulation import TermSetup
-from stplan.costs.limit import MotionLimit, Profile, Vectors, limit_profile, power_vectors
+from stplan.costs.limit import (
+    MotionLimit,
+    Profile,
+    Vectors,
+    limit_profile,
+    limit_weights,
+    power_vectors,
+)
 from stplan.costs.registry import register
 from stplan.problem.layout import KnotLayout
 
@@ -18,14 +24,20 @@ class SpeedLimit(MotionLimit):
 
     name = "speed limit"
 
-    def __init__(self, layout: KnotLayout, limits: FloatArray, profile: Profile) -> None:
-        """`limits` (A,) in m/s, inf where an agent has none."""
+    def __init__(
+        self,
+        layout: KnotLayout,
+        limits: FloatArray,
+        profile: Profile,
+        weights: FloatArray | None = None,
+    ) -> None:
+        """`limits` (A,) in m/s, inf where an agent has none; `weights` (A,) of agents, 1 by default."""
         limit = limits[layout.agent_of_segment]
         chosen = np.isfinite(limit)
         start = layout.segment[chosen]
         super().__init__(
             np.column_stack([start, start + 1]), limit[chosen], profile, layout.num_knots,
-            segment_shares(layout.num_segments)[layout.agent_of_segment[chosen]],
+            limit_weights(layout, weights)[layout.agent_of_segment[chosen]],
         )  # fmt: skip
 
     @classmethod
@@ -34,7 +46,8 @@ class SpeedLimit(MotionLimit):
         limits = setup.formulation.limits("max_speed")
         if not np.isfinite(limits).any():
             return None
-        return cls(setup.formulation.layout, limits, limit_profile(setup))
+        formulation = setup.formulation
+        return cls(formulation.layout, limits, limit_profile(setup), formulation.scales.barrier)
 
     def vectors(self, local: FloatArray) -> Vectors:
         """Velocities."""

@@ -119,7 +119,7 @@ class Wall(ContactTerm):
         return cls(
             setup.knots, formulation.layout, problem.boundary,
             problem.free_space.boundary_vertices, problem.free_space.boundary_edges,
-            problem.radii * (1 + formulation.padding), weights, setup.mu,
+            problem.radii * (1 + formulation.padding), weights * formulation.scales.barrier, setup.mu,
             formulation.scales.wall_reach,
             smooth=formulation.smooth_minimum, sharpness=setup.sharpness.get(cls.name),
         )  # fmt: skip

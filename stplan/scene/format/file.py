@@ -138,7 +138,8 @@ class SolverFile(_Model):
         description="step of an outer iteration, relative, that counts as converged",
     )
     optimality_tolerance: _Tolerance = Field(
-        _SOLVER.optimality_tolerance, description="scaled optimality error that counts as converged"
+        _SOLVER.optimality_tolerance,
+        description="relative fall of the objective that counts as converged",
     )
     alpha: Positive = Field(
         _SOLVER.alpha, description="alpha_0, sharpness of the smooth minimum distance, 1/m"
