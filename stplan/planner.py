@@ -28,8 +28,9 @@ from stplan.improvement.budget import ImprovementBudget
 from stplan.multistart import best_seeds, own_cost
 from stplan.nlp.ipopt.adapter import require_options
 from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
-from stplan.optimize.continuation import LiveLine, Optimisation, optimise
+from stplan.optimize.continuation import LiveLine, Optimisation
 from stplan.optimize.restoration import restore
+from stplan.optimize.whole import optimise_whole
 from stplan.problem import planning_problem
 from stplan.problem.ends import ending_as, fixed_at
 from stplan.problem.metric import sharpened, with_metric
@@ -152,7 +153,7 @@ def plan(
         with clock.stage("optimise"):
             lines = initial.seed.world_lines
             sharp = sharpened(problem, lines)
-            optimised = optimise(sharp, lines, progress=progress, live=live, stop=stop)
+            optimised = optimise_whole(sharp, lines, progress=progress, live=live, stop=stop)
         plans.append(_planned(sharp, initial, optimised, clock))
     best = _cheapest(plans)
     with clock.stage("bound"):

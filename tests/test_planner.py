@@ -124,7 +124,7 @@ def displaced(monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
         costs = dict.fromkeys(found.costs, 0.0)
         return replace(found, world_lines=found.world_lines.with_knots(knots), costs=costs)
 
-    monkeypatch.setattr("stplan.planner.optimise", optimise)
+    monkeypatch.setattr("stplan.planner.optimise_whole", optimise)
     return {}
 
 
@@ -165,13 +165,13 @@ def test_the_callback_is_asked_as_soon_as_there_is_something_to_keep(monkeypatch
 
     from stplan import planner
 
-    real = planner.optimise
+    real = planner.optimise_whole
 
     def optimise(*arguments, **options):
         happened.append("optimise")
         return real(*arguments, **options)
 
-    monkeypatch.setattr(planner, "optimise", optimise)
+    monkeypatch.setattr(planner, "optimise_whole", optimise)
     plan(circle(3, 3.0, 12.0), stop=stop)
     # So that whoever stops by signals knows that none is lost from here on.
     assert happened[:3] == ["asked", "optimise", "asked"]

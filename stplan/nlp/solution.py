@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from stplan.arrays import FloatArray
 from stplan.status import Status
 
@@ -14,6 +16,7 @@ class Iteration:
 
     `step` is the largest entry of the full step, m or s; it says nothing about convergence where the
     Hessian was `damped` to make it convex. `share` of it was taken.
+    `optimality` is the largest entry of the gradient of the Lagrangian, in units of the scaled objective.
     """
 
     number: int
@@ -22,6 +25,7 @@ class Iteration:
     damped: bool
     knots: FloatArray
     share: float = 1.0
+    optimality: float = np.inf
 
 
 @dataclass(frozen=True)

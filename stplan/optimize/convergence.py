@@ -100,6 +100,9 @@ class Judge:
         small = self._solver.step_tolerance * self._step_unit
         if iteration.step <= small and not iteration.damped:
             return True
+        if self._solver.convergence == "first-order":
+            least = self._patience.share * self._solver.optimality_tolerance
+            return iteration.optimality <= least
         window = self._patience.window
         if len(self._values) <= window:
             return False

@@ -126,6 +126,8 @@ class SolverSettings:
     ipopt: Mapping[str, Any] = field(default_factory=dict)
     alpha_rule: Literal["half-clearance", "stepped"] = added("half-clearance")
     hessian_cutoff: float = added(0.0)
+    convergence: Literal["decrease", "first-order"] = added("decrease")
+    blocks: int | Literal["all"] | None = added(None)
 
 
 @dataclass(frozen=True)

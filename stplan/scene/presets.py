@@ -36,6 +36,7 @@ PAPER = Preset(
             "alpha_rule": "stepped",
             "barrier_range": math.inf,
             "hessian_cutoff": 0.2,
+            "convergence": "first-order",
         }
     ),
     time_scale=1.0,

@@ -72,7 +72,7 @@ def test_costs_of_a_broken_plan_are_those_of_its_initial_curves(tmp_path, monkey
         moved = found.world_lines.knots + np.array([0.0, 0.1, 0.0])
         return replace(found, world_lines=found.world_lines.with_knots(moved))
 
-    monkeypatch.setattr("stplan.planner.optimise", displaced)
+    monkeypatch.setattr("stplan.planner.optimise_whole", displaced)
     path = tmp_path / "scene.yaml"
     path.write_text(scene_text(WALKS))
     plan = stplan.plan(load_scene(path))

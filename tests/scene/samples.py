@@ -188,6 +188,8 @@ _FULL: dict[str, Any] = {
         "hessian": "exact",
         "alpha_rule": "stepped",
         "hessian_cutoff": 0.1,
+        "convergence": "first-order",
+        "blocks": 16,
         "linear_solver": "mumps",
         "ipopt": {"tol": 1.0e-6, "mu_strategy": "adaptive", "print_level": 3},
     },

@@ -127,7 +127,9 @@ class _Callbacks:
         self.ipopt_mu = mu
         damped = regularization_size > 0 or self._control.damping > 0
         knots = self._control.iterate
-        return not self._stop(Iteration(iter_count, obj_value, d_norm, damped, knots, alpha_pr))
+        return not self._stop(
+            Iteration(iter_count, obj_value, d_norm, damped, knots, alpha_pr, inf_du)
+        )
 
 
 @dataclass(frozen=True)

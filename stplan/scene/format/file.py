@@ -38,6 +38,7 @@ _SEEDING = SeedingSettings()
 _SOLVER = SolverSettings()
 _LAYERS = Annotated[int, Field(ge=2, le=100_000)]
 _KNOTS = Annotated[int, Field(ge=3, le=10_000)]
+_BLOCKS = Annotated[int, Field(ge=1, le=10_000)]
 _STARTS = Annotated[int, Field(ge=1, le=1000)]
 _Tolerance = Annotated[Factor, Field(le=1e6)]
 _RANGE = Annotated[float, Field(gt=0, allow_inf_nan=True)]
@@ -139,7 +140,11 @@ class SolverFile(_Model):
     )
     optimality_tolerance: _Tolerance = Field(
         _SOLVER.optimality_tolerance,
-        description="relative fall of the objective that counts as converged",
+        description="what counts as converged, as `convergence` measures it",
+    )
+    convergence: Literal["decrease", "first-order"] = Field(
+        _SOLVER.convergence,
+        description="what the tolerance is of: costs that fall, relative, or the first-order optimality",
     )
     alpha: Positive = Field(
         _SOLVER.alpha, description="alpha_0, sharpness of the smooth minimum distance, 1/m"
@@ -159,6 +164,9 @@ class SolverFile(_Model):
     hessian_cutoff: Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)] = Field(
         _SOLVER.hessian_cutoff,
         description="least share in a smooth minimum that counts in the Gauss-Newton Hessian",
+    )
+    blocks: Annotated[int | Literal["auto", "all"], Or(_BLOCKS, "auto", "all")] = Field(
+        "auto", description="agents optimised at a time; auto: 64 where there are more than 400"
     )
     linear_solver: Annotated[
         str, Field(min_length=1, max_length=40, pattern=r"^[a-z][a-z0-9-]*$")

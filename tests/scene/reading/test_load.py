@@ -90,6 +90,8 @@ def test_defaults():
         "ipopt": {},
         "alpha_rule": "half-clearance",
         "hessian_cutoff": 0.0,
+        "convergence": "decrease",
+        "blocks": None,
     }
 
 

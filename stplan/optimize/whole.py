@@ -1,0 +1,47 @@
+"""All agents of a problem: together, apart where they never meet, in blocks where they are many."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from stplan.optimize.blocks import block_size, optimise_blocks
+from stplan.optimize.components import components, optimise_components
+from stplan.optimize.continuation import LiveLine, Optimisation, optimise
+from stplan.optimize.parts import Parts
+from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.world_lines import WorldLines
+
+
+def optimise_whole(
+    problem: PlanningProblem,
+    seed: WorldLines,
+    *,
+    progress: Callable[[str], None],
+    stop: Callable[[], bool],
+    live: LiveLine | None = None,
+) -> Optimisation:
+    """Make `seed` smooth and cheap.
+
+    Raises:
+        SolverError: Ipopt lacks the linear solver or an option asked for.
+    """
+    size = block_size(problem)
+    if size is not None:
+        return optimise_blocks(problem, seed, size, progress=progress, stop=stop, live=live)
+    if _separable(problem):
+        parts = Parts(problem, seed, stop)
+        found = components(problem, parts)
+        if len(found) > 1:
+            return optimise_components(
+                problem, parts, found, progress=progress, stop=stop, live=live
+            )
+    return optimise(problem, seed, progress=progress, stop=stop, live=live)
+
+
+def _separable(problem: PlanningProblem) -> bool:
+    """Whether what agents feel of each other ends somewhere."""
+    solver = problem.scene.solver
+    finite = solver.barrier_range is None or np.isfinite(solver.barrier_range)
+    return solver.blocks is None and finite and solver.clearance_model == "contacts"

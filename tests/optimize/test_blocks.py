@@ -1,0 +1,129 @@
+"""Optimisation in blocks: everybody once a sweep, every iterate clear, as cheap as all together."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stplan.bench import families_open as wide
+from stplan.optimize import blocks, parts
+from stplan.optimize.blocks import block_size, split
+from stplan.optimize.continuation import Optimisation
+from stplan.optimize.parts import Parts
+from stplan.optimize.whole import optimise_whole
+from stplan.planner import find_initial_curves, plan, prepare
+from stplan.problem.kinetic_cost import total_kinetic_cost
+from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.verification import verify
+from stplan.problem.world_lines import WorldLines
+from stplan.scene import parse_scene
+from stplan.scene.model import Scene
+from stplan.status import Status
+
+
+def in_blocks(scene: Scene, size: int | str | None) -> Scene:
+    return replace(scene, solver=replace(scene.solver, blocks=size, effort="quick", starts=1))
+
+
+def flows(size: int | str | None = 8) -> Scene:
+    return in_blocks(wide.crossing_flows(24, 1.0, 3), size)
+
+
+@pytest.fixture(scope="module")
+def seeded() -> tuple[PlanningProblem, WorldLines]:
+    problem = prepare(flows())
+    (initial,) = find_initial_curves(problem)
+    return problem, initial.seed.world_lines
+
+
+def optimised(problem: PlanningProblem, seed: WorldLines) -> Optimisation:
+    return optimise_whole(problem, seed, progress=lambda line: None, stop=lambda: False)
+
+
+@pytest.mark.parametrize("sweep", [0, 1, 2])
+def test_a_sweep_has_everybody_who_plans_once(sweep: int) -> None:
+    problem = prepare(flows())
+    found = split(problem, sweep, 8)
+    assert sorted(np.concatenate(found).tolist()) == list(range(24))
+    assert max(map(len, found)) <= 8
+    others = split(problem, (sweep + 1) % 3, 8)
+    assert {tuple(block) for block in found} != {tuple(block) for block in others}
+
+
+def test_who_meets_or_is_a_friend_stays_together() -> None:
+    agents = "\n".join(
+        f"  - {{id: a{k}, start: [{3 * k}, 0], goal: [{3 * k}, 9]}}" for k in range(9)
+    )
+    path = "  - {id: bus, path: [[-9, 0, 0], [-9, 9, 9]]}"
+    pairs = "[{between: [a0, a8], meet: {within: 20}}, {between: [a1, a7], grouping: 1}]"
+    problem = prepare(
+        parse_scene(f"stplan: 1\nhorizon: 20\npairs: {pairs}\nagents:\n{agents}\n{path}\n")
+    )
+    found = [set(block.tolist()) for block in split(problem, 0, 3)]
+    assert set().union(*found) == set(range(9))
+    for together in ({0, 8}, {1, 7}):
+        assert any(together <= block for block in found)
+
+
+def test_blocks_are_for_many_agents_unless_they_are_asked_for() -> None:
+    assert block_size(prepare(flows(None))) is None
+    assert block_size(prepare(flows("all"))) is None
+    assert block_size(prepare(flows(24))) is None
+    assert block_size(prepare(flows(8))) == 8
+    assert block_size(prepare(in_blocks(wide.open_field(401, 0.01), None))) == blocks.BLOCK
+
+
+def test_as_cheap_as_all_together_and_as_clear(seeded: tuple[PlanningProblem, WorldLines]) -> None:
+    problem, seed = seeded
+    whole = replace(problem, scene=flows("all"))
+    together, apart = optimised(whole, seed), optimised(problem, seed)
+    assert apart.status is Status.CONVERGED
+    assert not verify(problem, list(apart.world_lines.curves()))
+    costs = [
+        total_kinetic_cost(problem.masses, list(lines.curves()))
+        for lines in (seed, together.world_lines, apart.world_lines)
+    ]
+    assert costs[1] < costs[0]
+    assert costs[2] < 1.006 * costs[1]
+    assert costs[0] > 1.01 * costs[1]
+    assert np.isfinite(list(apart.costs.values())).all()
+    assert set(apart.costs) == set(together.costs)
+
+
+def test_what_came_near_out_of_view_is_seen_the_next_time(
+    seeded: tuple[PlanningProblem, WorldLines], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem, seed = seeded
+    views = []
+    pieces = Parts._pieces
+
+    def noted(self: Parts, block: np.ndarray, view: float) -> list:
+        views.append(view)
+        return pieces(self, block, view)
+
+    monkeypatch.setattr(Parts, "_pieces", noted)
+    monkeypatch.setattr(parts, "VIEW", 1e-3)
+    found = optimised(problem, seed)
+    assert max(views) > 1e-3
+    assert not verify(problem, list(found.world_lines.curves()))
+
+
+def test_a_stop_between_blocks_leaves_a_clear_plan(
+    seeded: tuple[PlanningProblem, WorldLines],
+) -> None:
+    problem, seed = seeded
+    asked = iter(range(10**9))
+    found = optimise_whole(problem, seed, progress=lambda line: None, stop=lambda: next(asked) > 60)
+    assert found.status is Status.INTERRUPTED
+    assert not verify(problem, list(found.world_lines.curves()))
+
+
+def test_a_scene_in_blocks_is_certified_and_repeats() -> None:
+    first, second = (plan(flows(6)) for _ in range(2))
+    assert first.exit_status == 0
+    assert first.certificate.holds
+    assert first.trajectories is not None
+    assert second.trajectories is not None
+    assert np.array_equal(first.trajectories.knots, second.trajectories.knots)
