@@ -76,6 +76,22 @@ def turned(curve: np.ndarray) -> float:
     return float(np.degrees(np.abs(np.arctan2(cross, (step[:-1] * step[1:]).sum(axis=1))).sum()))
 
 
+def sharpest_turn(curve: np.ndarray) -> float:
+    """Greatest change of direction from one segment to the next while moving faster than 0.1 m/s, degrees."""
+    step = np.diff(curve[:, :2], axis=0)
+    moving = np.hypot(*step.T) / np.diff(curve[:, 2]) > 0.1
+    cross = step[:-1, 0] * step[1:, 1] - step[:-1, 1] * step[1:, 0]
+    angles = np.degrees(np.abs(np.arctan2(cross, (step[:-1] * step[1:]).sum(axis=1))))
+    return float(angles[moving[:-1] & moving[1:]].max(initial=0.0))
+
+
+def strongest_acceleration(curve: np.ndarray) -> float:
+    """Greatest change of velocity over the time between the middles of two segments, m/s^2."""
+    dt = np.diff(curve[:, 2])
+    velocity = np.diff(curve[:, :2], axis=0) / dt[:, None]
+    return float((np.hypot(*np.diff(velocity, axis=0).T) / (0.5 * (dt[1:] + dt[:-1]))).max())
+
+
 def distances(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Distances of two agents while both are on their way, m, at 2000 equal steps."""
     times = np.linspace(max(first[0, 2], second[0, 2]), min(first[-1, 2], second[-1, 2]), 2000)
