@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stplan.analysis.cost_bound import bound_with, cost_bound
@@ -18,11 +17,6 @@ from stplan.certify.certificate import Certificate, certify
 from stplan.clock import Clock
 from stplan.compiled import compiled_before
 from stplan.errors import BrokenSeedError, StoppedError
-from stplan.files.atomic import write_set
-from stplan.files.json_file import json_bytes
-from stplan.files.manifest import KEY, manifest
-from stplan.files.recorded import REPORT, RUN_RECORD
-from stplan.files.trajectories import curve_files
 from stplan.geometry.rod_distances import segment_distances
 from stplan.improvement.budget import ImprovementBudget
 from stplan.multistart import best_seeds, own_cost
@@ -31,6 +25,7 @@ from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
 from stplan.optimize.continuation import LiveLine, Optimisation
 from stplan.optimize.restoration import restore
 from stplan.optimize.whole import optimise_whole
+from stplan.planned import Plan, plan_files, write_plan
 from stplan.problem import planning_problem
 from stplan.problem.ends import ending_as, fixed_at
 from stplan.problem.metric import sharpened, with_metric
@@ -52,6 +47,19 @@ from stplan.status import Status
 if TYPE_CHECKING:
     from stplan.world import FreeSpace
 
+__all__ = [
+    "InitialCurves",
+    "Plan",
+    "check",
+    "find_initial_curves",
+    "improve",
+    "plan",
+    "plan_files",
+    "prepare",
+    "seed",
+    "write_plan",
+]
+
 Progress = Callable[[str], None]
 Stop = Callable[[], bool]
 
@@ -69,48 +77,6 @@ class InitialCurves:
     seed: Seed
     world_lines: WorldLines
     certificate: Certificate
-
-
-@dataclass(frozen=True)
-class Plan:
-    """A planned (or only seeded) scene.
-
-    Attributes:
-        seed: the initial curves.
-        trajectories: the optimised curves, None where only a seed was asked for.
-        report: what report.json holds, repeatable.
-        run: what run.json holds, different every time.
-    """
-
-    seed: WorldLines
-    trajectories: WorldLines | None
-    report: Report
-    run: RunRecord
-
-    @property
-    def scene(self) -> Scene:
-        """What was planned."""
-        return self.report.scene
-
-    @property
-    def certificate(self) -> Certificate:
-        """Of the trajectories, or of the seed."""
-        return self.report.certificate
-
-    @property
-    def status(self) -> Status:
-        """How planning ended."""
-        return self.report.status
-
-    @property
-    def advice(self) -> str:
-        """A sentence on what the status means, empty where all is well."""
-        return self.status.advice
-
-    @property
-    def exit_status(self) -> int:
-        """The command's."""
-        return self.status.exit_status
 
 
 def plan(
@@ -240,20 +206,6 @@ def check(scene: Scene, lines: WorldLines, *, progress: Progress | None = None) 
     free_space = build_free_space(scene)
     _say_notes(scene, free_space, progress or _silent)
     return certify(scene, free_space, lines)
-
-
-def write_plan(result: Plan, folder: Path) -> list[Path]:
-    """Write a plan's files into `folder` (made if needed) and return their paths."""
-    return write_set(folder, plan_files(result))
-
-
-def plan_files(result: Plan) -> dict[str, bytes]:
-    """What `write_plan` writes, by file name: the record with the manifest of all others comes last."""
-    curves = {"seed": result.seed}
-    if result.trajectories is not None:
-        curves["trajectories"] = result.trajectories
-    contents = curve_files(result.scene, curves) | {REPORT: json_bytes(result.report.as_dict())}
-    return contents | {RUN_RECORD: json_bytes(result.run.as_dict() | {KEY: manifest(contents)})}
 
 
 def prepare(scene: Scene, progress: Progress | None = None) -> PlanningProblem:

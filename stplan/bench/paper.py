@@ -181,7 +181,7 @@ PLOTS = (
 
 
 @dataclass(frozen=True)
-class Timing:
+class IterationTimes:
     """Seconds of an iteration at one size of a plot, by the name of the way; nan where none was made."""
 
     plot: str
@@ -189,14 +189,14 @@ class Timing:
     seconds: Mapping[str, float]
 
 
-def time_iterations(*, full: bool, progress: Progress) -> list[Timing]:
+def time_iterations(*, full: bool, progress: Progress) -> list[IterationTimes]:
     """An iteration of every way at every size of the paper's plots."""
     found = []
     for plot in PLOTS:
         for size in plot.full if full else plot.small:
             scene = plot.scene(size, 0)
             seconds = {way: _iteration(change(scene)) for way, change in WAYS.items()}
-            found.append(Timing(plot.name, size, seconds))
+            found.append(IterationTimes(plot.name, size, seconds))
             listed = ", ".join(f"{way} {1e3 * one:.1f}" for way, one in seconds.items())
             progress(f"{plot.title}, {size} {plot.size}: {listed} ms an iteration")
     return found
@@ -208,7 +208,7 @@ def _iteration(scene: Scene) -> float:
     return run(few)[0].iteration_seconds
 
 
-def growths(timings: Sequence[Timing], plot: str) -> dict[str, float]:
+def growths(timings: Sequence[IterationTimes], plot: str) -> dict[str, float]:
     """Exponent of the time over the size by way, nan where too few sizes were measured."""
     own = [one for one in timings if one.plot == plot]
     found = {}

@@ -7,7 +7,7 @@ from dataclasses import asdict
 
 from stplan.bench.csv_table import csv_table
 from stplan.bench.markdown import number, table
-from stplan.bench.paper import PLOTS, WAYS, Compared, Recipe, Timing, growths
+from stplan.bench.paper import PLOTS, WAYS, Compared, IterationTimes, Recipe, growths
 from stplan.bench.plots import Series, growth_figure
 from stplan.bench.result_files import result_files
 from stplan.bench.scaling import Sweep
@@ -27,7 +27,7 @@ _HEAD = (
 )
 
 
-def files(compared: Sequence[Compared], timings: Sequence[Timing]) -> dict[str, bytes]:
+def files(compared: Sequence[Compared], timings: Sequence[IterationTimes]) -> dict[str, bytes]:
     """Names and contents of the files of the measurement."""
     text = f"{_scenes(compared)}\n{_plots(timings)}"
     pictures = {f"{plot.name}.png": _picture(plot, timings) for plot in PLOTS}
@@ -68,7 +68,7 @@ def _cells(recipe: Recipe) -> tuple[str, str, str]:
     return number(recipe.cost, ".5g"), str(figures.iterations), f"{figures.total_seconds:.1f}"
 
 
-def _plots(timings: Sequence[Timing]) -> str:
+def _plots(timings: Sequence[IterationTimes]) -> str:
     """Milliseconds an iteration, a table a plot, with the fitted exponents below."""
     parts = []
     for plot in PLOTS:
@@ -83,7 +83,7 @@ def _plots(timings: Sequence[Timing]) -> str:
     return "\n".join(parts)
 
 
-def _picture(plot: Sweep, timings: Sequence[Timing]) -> bytes:
+def _picture(plot: Sweep, timings: Sequence[IterationTimes]) -> bytes:
     own = [one for one in timings if one.plot == plot.name]
     powers = growths(timings, plot.name)
     series = [

@@ -10,7 +10,7 @@ import typer
 
 from stplan.cli import (
     batch,
-    bench_crowds,
+    bench_plans,
     checking,
     exporting,
     importing,
@@ -59,7 +59,7 @@ Units are metres, seconds and kilograms. The keys of a scene are in docs/scene-f
 # In the order in which help lists them.
 GROUPS = (
     planning.app, improving.app, checking.app, scenes.app, importing.app, viewing.app, exporting.app,
-    batch.app, bench_crowds.app,
+    batch.app, bench_plans.app,
 )  # fmt: skip
 
 app = group(

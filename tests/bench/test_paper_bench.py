@@ -33,7 +33,7 @@ def test_both_recipes_plan_a_scene_of_the_paper_at_about_the_same_cost() -> None
 
 def test_a_plot_shows_every_way_and_how_it_grows() -> None:
     timings = [
-        paper.Timing("paper-knots", size, dict(zip(paper.WAYS, seconds, strict=True)))
+        paper.IterationTimes("paper-knots", size, dict(zip(paper.WAYS, seconds, strict=True)))
         for size, *seconds in ((30, 30e-3, 900e-6, np.nan), (60, 60e-3, 3600e-6, np.nan))
     ]
     powers = paper.growths(timings, "paper-knots")

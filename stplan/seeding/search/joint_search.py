@@ -27,12 +27,12 @@ from stplan.seeding.margins import margin_ladder
 from stplan.seeding.search.coarse_roadmap import coarse_roadmap
 from stplan.seeding.search.graph import Graph
 from stplan.seeding.search.joint import timed_curves
+from stplan.seeding.search.joint_step import Company
 from stplan.seeding.search.journeys import Journeys
 from stplan.seeding.search.lacam import (
     EXHAUSTED,
     FOUND,
     UNFINISHED,
-    Company,
     explore,
     new_memory,
     steps_found,

@@ -10,14 +10,8 @@ import shapely
 
 from stplan.arrays import IntArray
 from stplan.seeding.search.graph import UNREACHABLE, Graph, make_graph
-from stplan.seeding.search.lacam import (
-    EXHAUSTED,
-    FOUND,
-    Company,
-    explore,
-    new_memory,
-    steps_found,
-)
+from stplan.seeding.search.joint_step import Company
+from stplan.seeding.search.lacam import EXHAUSTED, FOUND, explore, new_memory, steps_found
 from tests.seeding.search.puzzles import cells_of
 
 

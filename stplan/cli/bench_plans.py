@@ -1,0 +1,98 @@
+"""The commands that measure whole plans of the shipped scenes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stplan.cli.bench import FOLDER, NO_JSON, Full, Output, TimeLimit, benchmarks, finish, names_in
+from stplan.cli.bench_crowds import app
+from stplan.cli.command import command
+from stplan.cli.console import Console
+
+__all__ = ["app", "paper", "quality"]
+
+
+@command(benchmarks, without=NO_JSON)
+def quality(
+    console: Console,
+    *,
+    output: Output = FOLDER,
+    scenes: Annotated[Path, typer.Option(metavar="DIR", help="Where the scenes are.")] = Path(
+        "scenes"
+    ),
+    only: Annotated[str, typer.Option(metavar="A,B", help="Only scenes with these names.")] = "",
+    moves: Annotated[
+        int | None,
+        typer.Option(min=1, help="Moves of improvement.  [default: 20; 200 with --full]"),
+    ] = None,
+    ledger: Annotated[Path, typer.Option(metavar="FILE", help="The least costs known.")] = Path(
+        "docs/ledger.csv"
+    ),
+    record: Annotated[
+        bool, typer.Option("--record", help="Write what is cheaper into the ledger.")
+    ] = False,
+    full: Full = False,
+) -> int:
+    """How near plans are to the best ones known.
+
+    Scenes are planned by default and improved by a number of moves; both costs stand beside the
+    least one known, which a ledger keeps with the command that reached it. A ledger only improves.
+
+    \b
+    Examples:
+      stplan bench quality
+      stplan bench quality --only cabin,door --moves 500 --record
+    """
+    from stplan.bench import ledger as ledgers
+    from stplan.bench import quality, quality_table
+    from stplan.files.atomic import write_set
+
+    files = quality.chosen_scenes(scenes, names_in(only), full=full)
+    known = ledgers.read_ledger(ledger)
+    measured = quality.measure(
+        files,
+        moves or (quality.FULL_MOVES if full else quality.SMALL_MOVES),
+        progress=console.progress,
+    )
+    if record:
+        found = [entry for one in measured for entry in one.entries()]
+        # Read anew: others may have written meanwhile, and it only improves.
+        text = ledgers.ledger_text(ledgers.read_ledger(ledger), found)
+        write_set(ledger.parent, {ledger.name: text.encode()})
+    return finish(console, output, quality_table.files(known, measured))
+
+
+@command(benchmarks, without=NO_JSON)
+def paper(
+    console: Console,
+    *,
+    output: Output = FOLDER,
+    scenes: Annotated[Path, typer.Option(metavar="DIR", help="Where the scenes are.")] = Path(
+        "scenes"
+    ),
+    only: Annotated[str, typer.Option(metavar="A,B", help="Only scenes with these names.")] = "",
+    time_limit: TimeLimit = None,
+    full: Full = False,
+) -> int:
+    """The paper's scenes by the default and by the paper's recipe, and its plots of time.
+
+    Costs, iterations and seconds of either stand side by side. An iteration is timed over agents, knots
+    and wall edges, by the default, by the paper's recipe, and with barriers of every pair of segments.
+
+    \b
+    Examples:
+      stplan bench paper
+      stplan bench paper --only circle,corn --time-limit 60
+    """
+    from stplan.bench import paper, paper_table
+    from stplan.bench.plots import require_matplotlib
+
+    require_matplotlib()
+    files = paper.chosen_scenes(scenes, names_in(only), full=full)
+    seconds = time_limit or (paper.FULL_SECONDS if full else paper.SMALL_SECONDS)
+    compared = paper.compare(files, seconds, progress=console.progress)
+    timings = paper.time_iterations(full=full, progress=console.progress)
+    return finish(console, output, paper_table.files(compared, timings))
