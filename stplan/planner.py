@@ -40,7 +40,6 @@ from stplan.report import (
     SeedReport,
 )
 from stplan.scene.model import Scene
-from stplan.seeding.assignment import settle_goals
 from stplan.seeding.portfolio import Seed
 from stplan.status import Status
 
@@ -222,7 +221,11 @@ def prepare(scene: Scene, progress: Progress | None = None) -> PlanningProblem:
     require_options(scene.solver.ipopt)
     problem = planning_problem.prepare_local(scene)
     _say_notes(scene, problem.written.free_space, progress or _silent)
-    return with_metric(settle_goals(problem))
+    if scene.assignments or any(agent.goal_places for agent in scene.agents):
+        from stplan.seeding.assignment import settle_goals
+
+        problem = settle_goals(problem)
+    return with_metric(problem)
 
 
 def _say_notes(scene: Scene, free_space: FreeSpace | None, progress: Progress) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from stplan.arrays import FloatArray, IntArray
 from stplan.optimize.components import connected
 from stplan.optimize.continuation import LiveLine, Optimisation, OuterIteration
-from stplan.optimize.parts import Parts
+from stplan.optimize.parts import DividedProblem
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.status import Status
@@ -50,7 +50,7 @@ def optimise_blocks(
     live: LiveLine | None = None,
 ) -> Optimisation:
     """Sweeps over blocks of at most `size` agents until the cost has all but stopped falling."""
-    parts = Parts(problem, seed, stop)
+    parts = DividedProblem(problem, seed, stop)
     seed_costs = parts.costs(parts.formulation.scales.mu)
     price, status = parts.price(), Status.LIMIT
     done: list[OuterIteration] = []

@@ -11,12 +11,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from stplan.arrays import BoolArray, IntArray
 from stplan.optimize.continuation import LiveLine, Optimisation, OuterIteration
-from stplan.optimize.parts import Parts
+from stplan.optimize.parts import DividedProblem
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.status import Status
 
@@ -26,7 +24,7 @@ MOST_ROUNDS, LATER_BEGIN = 3, 2
 _ORDER = (Status.CONVERGED, Status.LIMIT, Status.FAILED, Status.INTERRUPTED)
 
 
-def components(problem: PlanningProblem, parts: Parts) -> list[IntArray]:
+def components(problem: PlanningProblem, parts: DividedProblem) -> list[IntArray]:
     """Agents that plan, those together who have to do with each other.
 
     Lone ones that ask for nothing but a cheap way are one component: none of them holds up another.
@@ -47,7 +45,7 @@ def _is_plain(problem: PlanningProblem, agent: int) -> bool:
 
 def optimise_components(
     problem: PlanningProblem,
-    parts: Parts,
+    parts: DividedProblem,
     found: Sequence[IntArray],
     *,
     progress: Callable[[str], None],
@@ -122,9 +120,16 @@ def connected(problem: PlanningProblem, related: BoolArray) -> list[IntArray]:
     for meeting in problem.meetings:
         joined[meeting.first, meeting.second] = True
     rows, columns = np.nonzero(joined & planning[:, None] & planning[None, :])
-    count = problem.num_agents
-    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(count, count))
-    _, label = connected_components(graph, directed=False)
+    label = np.arange(problem.num_agents)
+    while True:
+        # Everybody takes the least label among those it is joined to, and theirs.
+        least = label.copy()
+        np.minimum.at(least, rows, label[columns])
+        np.minimum.at(least, columns, label[rows])
+        least = least[least]
+        if np.array_equal(least, label):
+            break
+        label = least
     members: dict[int, list[int]] = {}
     for agent in np.flatnonzero(planning).tolist():
         members.setdefault(int(label[agent]), []).append(agent)

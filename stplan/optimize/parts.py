@@ -1,4 +1,4 @@
-"""Parts of a problem, optimised one after another with all others' rods fixed meanwhile.
+"""DividedProblem of a problem, optimised one after another with all others' rods fixed meanwhile.
 
 Every iterate of the whole stays feasible: of the others the stretches of curves in view are there, and what
 came too near out of view is looked at afterwards; then the part is optimised anew with a wider view.
@@ -34,7 +34,7 @@ MOST_VIEWS = 4
 SHORT_GAP = 2
 
 
-class Parts:
+class DividedProblem:
     """The curves of all, while parts of them are optimised.
 
     Args:
@@ -175,7 +175,7 @@ class Parts:
     ) -> Optimisation:
         """The whole as it is now.
 
-        Parts were padded by what their own clearances allowed; what is left holds for all of them.
+        DividedProblem were padded by what their own clearances allowed; what is left holds for all of them.
         """
         lines, first = self._seed.with_knots(self.knots), self.formulation
         last = replace(first, padding=formulate(self.problem, lines).padding)

@@ -9,7 +9,7 @@ import numpy as np
 from stplan.optimize.blocks import block_size, optimise_blocks
 from stplan.optimize.components import components, optimise_components
 from stplan.optimize.continuation import LiveLine, Optimisation, optimise
-from stplan.optimize.parts import Parts
+from stplan.optimize.parts import DividedProblem
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 
@@ -31,7 +31,7 @@ def optimise_whole(
     if size is not None:
         return optimise_blocks(problem, seed, size, progress=progress, stop=stop, live=live)
     if _separable(problem):
-        parts = Parts(problem, seed, stop)
+        parts = DividedProblem(problem, seed, stop)
         found = components(problem, parts)
         if len(found) > 1:
             return optimise_components(

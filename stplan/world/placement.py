@@ -14,7 +14,6 @@ from stplan.scene.model import Agent, Scene
 from stplan.scene.places import Place
 from stplan.world.erosion import eroded
 from stplan.world.free_space import FreeSpace, build_free_space, warnings_of
-from stplan.world.places import StandingRoom
 
 # Erosions are computed with this share less than the radius, so that "not connected" is never claimed
 # because of the rounding of offset curves.
@@ -85,6 +84,8 @@ def check_scene_in_world(scene: Scene, free_space: FreeSpace | None) -> list[str
 
 def _unreachable_places(scene: Scene, free_space: FreeSpace) -> list[str]:
     """One located message for every goal that is a place in which an agent can be nowhere."""
+    from stplan.world.places import StandingRoom
+
     room = StandingRoom(free_space)
     empty: dict[tuple[Place, float], bool] = {}
     messages: dict[str, None] = {}

@@ -176,13 +176,13 @@ def test_a_second_signal_ends_the_batch_at_once(place):
 
 
 @pytest.mark.parametrize(
-    "phase", ["prepare", "best_seeds", "optimise", "certify", "plan_files", "replace"]
+    "phase", ["prepare", "best_seeds", "optimise_whole", "certify", "plan_files", "replace"]
 )
 def test_interrupted_in_any_phase_solve_leaves_whole_files_or_none(place, run, monkeypatch, phase):
     """A real Ctrl-C, sent at the door of the phase."""
-    import stplan.planner
+    from stplan import planned, planner
 
-    where = os if phase == "replace" else stplan.planner
+    where = {"replace": os, "plan_files": planned}.get(phase, planner)
     real = getattr(where, phase)
 
     def entered(*arguments, **options):
@@ -200,10 +200,12 @@ def test_interrupted_in_any_phase_solve_leaves_whole_files_or_none(place, run, m
         signal.signal(signal.SIGINT, before)
     assert result.status == 130
     folder = place / "results/room"
-    if phase in ("optimise", "plan_files", "replace"):
+    if phase in ("optimise_whole", "plan_files", "replace"):
         assert why_incomplete(folder) == ""
         words = (
-            "best feasible" if phase == "optimise" else "interrupted when its files were written"
+            "best feasible"
+            if phase == "optimise_whole"
+            else "interrupted when its files were written"
         )
         assert words in result.err
         assert run("check", folder).status == 0

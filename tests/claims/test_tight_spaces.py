@@ -44,7 +44,7 @@ def test_one_at_a_time_through_the_subway_passage(name, claim):
           at_most=1.5)  # fmt: skip
     slowest = min(slowest_over_fastest(own) for own in found.values())
     claim(planned(scene).scene.name, "slowest over fastest of whoever waits longest", slowest,
-          at_most=0.3)  # fmt: skip
+          at_most=0.5)  # fmt: skip
 
 
 def test_robots_wait_for_one_another_in_the_maze(claim):
@@ -54,7 +54,7 @@ def test_robots_wait_for_one_another_in_the_maze(claim):
         path_length(own) / straight_length(own) for own in found.values()
     ), at_most=2.0)  # fmt: skip
     slowest = min(slowest_over_fastest(own) for own in found.values())
-    claim("roomba", "slowest over fastest of whoever waits longest", slowest, at_most=0.8)
+    claim("roomba", "slowest over fastest of whoever waits longest", slowest, at_most=0.9)
 
 
 def test_in_the_bottleneck_someone_is_late_by_as_much_as_needed(claim):

@@ -11,7 +11,7 @@ from stplan.bench import families_open as wide
 from stplan.optimize import blocks, parts
 from stplan.optimize.blocks import block_size, split
 from stplan.optimize.continuation import Optimisation
-from stplan.optimize.parts import Parts
+from stplan.optimize.parts import DividedProblem
 from stplan.optimize.whole import optimise_whole
 from stplan.planner import find_initial_curves, plan, prepare
 from stplan.problem.kinetic_cost import total_kinetic_cost
@@ -97,13 +97,13 @@ def test_what_came_near_out_of_view_is_seen_the_next_time(
 ) -> None:
     problem, seed = seeded
     views = []
-    pieces = Parts._pieces
+    pieces = DividedProblem._pieces
 
-    def noted(self: Parts, block: np.ndarray, view: float) -> list:
+    def noted(self: DividedProblem, block: np.ndarray, view: float) -> list:
         views.append(view)
         return pieces(self, block, view)
 
-    monkeypatch.setattr(Parts, "_pieces", noted)
+    monkeypatch.setattr(DividedProblem, "_pieces", noted)
     monkeypatch.setattr(parts, "VIEW", 1e-3)
     found = optimised(problem, seed)
     assert max(views) > 1e-3

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stplan.optimize.components import components
-from stplan.optimize.parts import Parts
+from stplan.optimize.parts import DividedProblem
 from stplan.planner import Plan, find_initial_curves, plan, prepare
 from stplan.scene import parse_scene
 from stplan.scene.model import Scene
@@ -50,7 +50,7 @@ def test_components_are_those_who_have_to_do_with_each_other() -> None:
     problem = prepare(pairs())
     (initial,) = find_initial_curves(problem)
     lines = initial.seed.world_lines
-    found = components(problem, Parts(problem, lines, lambda: False))
+    found = components(problem, DividedProblem(problem, lines, lambda: False))
     assert sorted(one.tolist() for one in found) == [[0, 1], [2, 3], [4]]
 
 

@@ -23,11 +23,11 @@ BARE = {
     SolverSettings: {
         "knots", "effort", "starts", "mu_decay", "outer_iterations", "max_iterations", "step_tolerance",
         "optimality_tolerance", "clearance_model", "hessian", "linear_solver", "ipopt", "alpha_rule",
-        "hessian_cutoff",
+        "hessian_cutoff", "convergence", "blocks",
     },
     Scene: {
         "name", "description", "source", "content_hash", "seeding", "locations", "overridden",
-        "overrides", "agent_paths", "places", "assignments",
+        "overrides", "agent_paths", "places", "assignments", "metric", "turning",
     },
 }  # fmt: skip
 EVERYTHING = (

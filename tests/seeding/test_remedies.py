@@ -16,7 +16,7 @@ from stplan.wording import sentence
 HEAD = "stplan: 1\nhorizon: 10\n"
 CARS = """agents:
   - {id: a, start: [0, 0], goal: [150, 0]}
-  - {id: b, start: [0, 9], goal: [150, 9], preferred_time: 5, weights: {arrival: 1}}
+  - {id: b, start: [0, 9], goal: [150, 9], preferred_time: 5, weights: {arrival: 1, kinetic: 0}}
   - {id: c, path: [[0, 20, 0], [1, 20, 9]]}
 """
 

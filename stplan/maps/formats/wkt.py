@@ -47,6 +47,8 @@ def wkt_shapes(text: str) -> list[shapely.Geometry]:
         except shapely.errors.GEOSException as error:
             reason = str(error).splitlines()[0][:200]
             raise FormatError(f"is no valid well-known text: {reason}", line) from error
+        if not np.isfinite(shapely.get_coordinates(shape)).all():
+            raise FormatError("has a coordinate that is no finite number", line)
         shapes += _parts(shape)
     if not shapes:
         raise FormatError("holds no geometry", 1)

@@ -14,8 +14,6 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
 
 from stplan.arrays import BoolArray, FloatArray
 from stplan.problem.planning_problem import PlanningProblem
@@ -24,7 +22,6 @@ from stplan.problem.verification import verify
 from stplan.reasons import Reason
 from stplan.seeding.infeasibility import no_way_past
 from stplan.seeding.margins import margin_ladder
-from stplan.seeding.search.coarse_roadmap import coarse_roadmap
 from stplan.seeding.search.graph import Graph
 from stplan.seeding.search.joint import timed_curves
 from stplan.seeding.search.joint_step import Company
@@ -38,7 +35,6 @@ from stplan.seeding.search.lacam import (
     steps_found,
 )
 from stplan.seeding.search.levels import Levels, with_ways
-from stplan.seeding.search.move_schedule import scheduled_curves, without_loops
 from stplan.seeding.seeder import Budget, SeedAttempt, SeedRecord
 
 # Larger groups are hardly ever coupled as a whole.
@@ -110,6 +106,8 @@ class JointSearch:
         return list(self._all_places())
 
     def _all_places(self) -> Iterator[_Place]:
+        from stplan.seeding.search.coarse_roadmap import coarse_roadmap
+
         problem = self.levels.problem
         known: set[bytes] = set()
         margins = margin_ladder(problem.scene.seeding.margin)
@@ -145,6 +143,9 @@ def _company(problem: PlanningProblem, graph: Graph, journeys: Journeys) -> Comp
 
 def _lengths_to(graph: Graph, goal: int, free: BoolArray) -> FloatArray:
     """(V,) lengths of the shortest ways to a vertex over free moves, m."""
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import dijkstra
+
     moves = np.flatnonzero(free)
     ends = (graph.move_from[moves], graph.move_to[moves])
     shape = (graph.num_vertices, graph.num_vertices)
@@ -156,6 +157,8 @@ def _searched(
     problem: PlanningProblem, place: _Place, rng_seed: int, iterations: int, budget: Budget
 ) -> tuple[int, list[FloatArray] | None]:
     """How a search ended, and clear curves where it found any."""
+    from stplan.seeding.search.move_schedule import scheduled_curves, without_loops
+
     company = place.company
     memory = new_memory(company, rng_seed)
     status = UNFINISHED

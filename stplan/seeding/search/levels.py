@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,8 +17,10 @@ from stplan.seeding.infeasibility import stranded, too_few_layers
 from stplan.seeding.search.graph import Graph
 from stplan.seeding.search.journeys import Journeys, automatic_layers
 from stplan.seeding.search.planner import LayeredPlanner
-from stplan.seeding.search.shortest_ways import Way, shortest_ways, walls_kept
 from stplan.seeding.search.way_edges import Track
+
+if TYPE_CHECKING:
+    from stplan.seeding.search.shortest_ways import Way
 
 
 @dataclass(frozen=True)
@@ -64,6 +67,8 @@ class Levels:
     @cached_property
     def ways(self) -> list[Way | None]:
         """Every agent's shortest way around the walls, None where it has none or heeds no walls."""
+        from stplan.seeding.search.shortest_ways import shortest_ways
+
         return shortest_ways(self.problem)
 
     def at(self, margin: float) -> Level:
@@ -94,6 +99,8 @@ class Levels:
 
 def with_ways(required: Requirement, radii: FloatArray, ways: Sequence[Way | None]) -> Requirement:
     """`required`, with no more distance to walls than shortest ways leave agents of these `radii` (A,)."""
+    from stplan.seeding.search.shortest_ways import walls_kept
+
     return Requirement(required.rods, walls_kept(ways, radii, required.walls))
 
 

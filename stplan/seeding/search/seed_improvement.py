@@ -22,7 +22,6 @@ from stplan.problem.kinetic_cost import kinetic_cost, total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement, held_requirement
 from stplan.problem.verification import verify
-from stplan.seeding.elastic_bands.geodesics import geodesic_curves
 from stplan.seeding.homotopy import signature
 from stplan.seeding.margins import SMALLER_MARGINS
 from stplan.seeding.search.conflicts import CurveSet
@@ -265,6 +264,8 @@ class _Walk:
 
 def _least_costs(problem: PlanningProblem) -> FloatArray:
     """(A,) kinetic cost of everybody on its own shortest way at constant speed, 0 where none is known."""
+    from stplan.seeding.elastic_bands.geodesics import geodesic_curves
+
     ways = geodesic_curves(problem)
     return np.array(
         [

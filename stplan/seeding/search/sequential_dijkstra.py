@@ -28,11 +28,11 @@ from stplan.seeding.search.journeys import Journeys
 from stplan.seeding.search.layered_dijkstra import HARD, space_time_length
 from stplan.seeding.search.levels import Level, out_of_layers, tracks_of, with_ways
 from stplan.seeding.search.planner import LayeredPlanner
-from stplan.seeding.search.shortest_ways import Way, shortest_ways
 from stplan.seeding.seeder import Budget, SeedAttempt, SeedRecord
 
 if TYPE_CHECKING:
     from stplan.seeding.search.roadmap import Roadmap
+    from stplan.seeding.search.shortest_ways import Way
 
 LAYER_FACTORS = (1, 2, 4)
 
@@ -47,6 +47,8 @@ class SequentialDijkstra:
     @cached_property
     def ways(self) -> list[Way | None]:
         """Every agent's shortest way around the walls."""
+        from stplan.seeding.search.shortest_ways import shortest_ways
+
         return shortest_ways(self.problem)
 
     @cached_property

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.world.free_space import FreeSpace
+
+if TYPE_CHECKING:
+    from stplan.world.free_space import FreeSpace
 
 # Turns drawn as one corner, at most, the widest first.
 WIDEST_TURNS = (math.pi / 4, math.pi / 8)
