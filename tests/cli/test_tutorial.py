@@ -24,7 +24,7 @@ def test_every_step_does_what_the_page_says(run, monkeypatch, tmp_path):
             assert result.status == (1 if words[0] == "diff" else 0), (command, result.err)
             said[command] = result.out
     assert "hold" in said["stplan explain outputs/door"]
-    assert "ann holds back for cart" in said["stplan explain outputs/door"]
+    assert "bob holds back for cart" in said["stplan explain outputs/door"]
 
     def arrival(folder: str) -> float:
         with np.load(Path(folder) / "trajectories.npz") as plan:
