@@ -16,8 +16,8 @@ demo: $(VENV)/.installed ## plan five walkers through one gap, and say where the
 	@echo "The files are in outputs/$(basename $(notdir $(DEMO)))/; certify them once more with:"
 	@echo "  $(BIN)/stplan check outputs/$(basename $(notdir $(DEMO)))"
 
-test: $(VENV)/.installed-dev ## run the tests
-	@$(BIN)/python -m pytest
+test: $(VENV)/.installed-dev ## run the tests, on all cores
+	@$(BIN)/python -m pytest -n auto --dist loadfile
 
 claims: $(VENV)/.installed-dev ## plan every scene, large ones too, assert the paper's claims, write docs/claims.md
 	@$(BIN)/python -m pytest -m "claims or not claims" tests/scenes tests/claims tests/explain/test_agreement.py --figures docs/claims.md
