@@ -14,7 +14,6 @@ from stplan.bench import families_open as wide
 from stplan.bench.families_maze import maze
 from stplan.bench.scaling import Sweep, growth
 from stplan.bench.solves import SolveFigures, run, warm_up, with_solver
-from stplan.errors import UsageError
 from stplan.scene.model import Scene, SolverSettings
 from stplan.scene.presets import PAPER
 from stplan.scene.reading.load import load_scene
@@ -76,24 +75,6 @@ class Compared:
     shows: str
     default: Recipe
     paper: Recipe
-
-
-def chosen_scenes(folder: Path, names: Sequence[str], *, full: bool) -> dict[str, Path]:
-    """The files of the scenes that contain one of `names`, all where none is named.
-
-    Raises:
-        UsageError: there is no such scene.
-    """
-    known = tuple(FIGURES) if full or names else SMALL_FIGURES
-    for name in names:
-        if not any(name in scene for scene in known):
-            raise UsageError(f"no scene {name!r}; there are {', '.join(known)}")
-    chosen = [scene for scene in known if not names or any(name in scene for name in names)]
-    files = {scene: folder / f"{scene}.yaml" for scene in chosen}
-    for file in files.values():
-        if not file.exists():
-            raise UsageError(f"cannot read {file}: no such file")
-    return files
 
 
 def compare(files: Mapping[str, Path], seconds: float, *, progress: Progress) -> list[Compared]:

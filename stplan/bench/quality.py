@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from stplan.analysis.own_costs import own_costs
 from stplan.bench.ledger import Entry
 from stplan.bench.solves import warm_up
-from stplan.errors import UsageError
 from stplan.improvement.budget import ImprovementBudget
 from stplan.planner import improve, plan
 from stplan.scene.reading.load import load_scene
@@ -57,24 +56,6 @@ class Quality:
         solve = f"stplan solve {self.file.as_posix()}"
         command = solve if self.accepted == 0 else f"{solve} --improve {self.moves}"
         return [Entry(self.scene, self.improved, command)]
-
-
-def chosen_scenes(folder: Path, names: Sequence[str], *, full: bool) -> dict[str, Path]:
-    """The files of the scenes that `names` begin with, by their names in `folder`; all where none is named.
-
-    Raises:
-        UsageError: there is no such scene.
-    """
-    known = FULL_SCENES if full or names else SMALL_SCENES
-    for name in names:
-        if not any(name in scene for scene in known):
-            raise UsageError(f"no scene {name!r}; there are {', '.join(known)}")
-    chosen = [scene for scene in known if not names or any(name in scene for name in names)]
-    files = {scene: folder / f"{scene}.yaml" for scene in chosen}
-    for file in files.values():
-        if not file.exists():
-            raise UsageError(f"cannot read {file}: no such file")
-    return files
 
 
 def measure(

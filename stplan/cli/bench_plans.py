@@ -48,9 +48,12 @@ def quality(
     """
     from stplan.bench import ledger as ledgers
     from stplan.bench import quality, quality_table
+    from stplan.bench.named_scenes import chosen_scenes
     from stplan.files.atomic import write_set
 
-    files = quality.chosen_scenes(scenes, names_in(only), full=full)
+    files = chosen_scenes(
+        scenes, names_in(only), small=quality.SMALL_SCENES, every=quality.FULL_SCENES, full=full
+    )
     known = ledgers.read_ledger(ledger)
     measured = quality.measure(
         files,
@@ -88,10 +91,13 @@ def paper(
       stplan bench paper --only circle,corn --time-limit 60
     """
     from stplan.bench import paper, paper_table
+    from stplan.bench.named_scenes import chosen_scenes
     from stplan.bench.plots import require_matplotlib
 
     require_matplotlib()
-    files = paper.chosen_scenes(scenes, names_in(only), full=full)
+    files = chosen_scenes(
+        scenes, names_in(only), small=paper.SMALL_FIGURES, every=tuple(paper.FIGURES), full=full
+    )
     seconds = time_limit or (paper.FULL_SECONDS if full else paper.SMALL_SECONDS)
     compared = paper.compare(files, seconds, progress=console.progress)
     timings = paper.time_iterations(full=full, progress=console.progress)

@@ -1,4 +1,4 @@
-"""DividedProblem of a problem, optimised one after another with all others' rods fixed meanwhile.
+"""Parts of a problem, optimised one after another with all others' rods fixed meanwhile.
 
 Every iterate of the whole stays feasible: of the others the stretches of curves in view are there, and what
 came too near out of view is looked at afterwards; then the part is optimised anew with a wider view.
@@ -126,11 +126,8 @@ class DividedProblem:
 
     def _pieces(self, agents: IntArray, view: float) -> list[Piece]:
         """The stretches of others' curves in view of some agents."""
-        near, rods, layout = (
-            self._near(agents, view),
-            self.formulation.rods,
-            self.formulation.layout,
-        )
+        near = self._near(agents, view)
+        rods, layout = self.formulation.rods, self.formulation.layout
         own = len(layout.segment)
         tails = set(rods.agents[near[near >= own]].tolist())
         seen: dict[int, list[int]] = {agent: [] for agent in tails}
@@ -175,7 +172,7 @@ class DividedProblem:
     ) -> Optimisation:
         """The whole as it is now.
 
-        DividedProblem were padded by what their own clearances allowed; what is left holds for all of them.
+        Parts were padded by what their own clearances allowed; what is left holds for all of them.
         """
         lines, first = self._seed.with_knots(self.knots), self.formulation
         last = replace(first, padding=formulate(self.problem, lines).padding)

@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from stplan.bench import paper, paper_table
+from stplan.bench.named_scenes import chosen_scenes
 from stplan.errors import UsageError
 
 SCENES = Path(__file__).parents[2] / "scenes"
+_chosen = partial(chosen_scenes, SCENES, small=paper.SMALL_FIGURES, every=tuple(paper.FIGURES))
 
 
 def test_every_scene_of_the_paper_is_shipped() -> None:
-    assert len(paper.chosen_scenes(SCENES, [], full=True)) == len(paper.FIGURES) > 20
-    assert list(paper.chosen_scenes(SCENES, ["tunnel"], full=False)) == ["tunnel/tunnel"]
+    assert len(_chosen([], full=True)) == len(paper.FIGURES) > 20
+    assert list(_chosen(["tunnel"], full=False)) == ["tunnel/tunnel"]
     with pytest.raises(UsageError, match="no scene 'moon'"):
-        paper.chosen_scenes(SCENES, ["moon"], full=True)
+        _chosen(["moon"], full=True)
 
 
 def test_both_recipes_plan_a_scene_of_the_paper_at_about_the_same_cost() -> None:
-    files = paper.chosen_scenes(SCENES, ["three-agents/symmetric"], full=True)
+    files = _chosen(["three-agents/symmetric"], full=True)
     (one,) = paper.compare(files, 60.0, progress=lambda line: None)
     assert one.default.figures.certified
     assert one.paper.figures.certified

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 from stplan.bench import quality
 from stplan.bench.ledger import Entry, beaten_by, ledger_text, read_ledger
+from stplan.bench.named_scenes import chosen_scenes
 from stplan.bench.quality_table import csv_text, markdown_text
 from stplan.cli.app import main
 from stplan.errors import UsageError
@@ -70,14 +72,17 @@ def test_the_table_says_how_far_from_the_best_and_what_is_a_record():
     )
 
 
+_chosen = partial(
+    chosen_scenes, ROOT / "scenes", small=quality.SMALL_SCENES, every=quality.FULL_SCENES
+)
+
+
 def test_scenes_are_chosen_by_name():
-    assert list(quality.chosen_scenes(ROOT / "scenes", [], full=False)) == list(
-        quality.SMALL_SCENES
-    )
-    assert list(quality.chosen_scenes(ROOT / "scenes", [], full=True)) == list(quality.FULL_SCENES)
-    assert list(quality.chosen_scenes(ROOT / "scenes", ["door"], full=False)) == ["tight/door"]
+    assert list(_chosen([], full=False)) == list(quality.SMALL_SCENES)
+    assert list(_chosen([], full=True)) == list(quality.FULL_SCENES)
+    assert list(_chosen(["door"], full=False)) == ["tight/door"]
     with pytest.raises(UsageError, match="no scene 'moon'"):
-        quality.chosen_scenes(ROOT / "scenes", ["moon"], full=False)
+        _chosen(["moon"], full=False)
 
 
 def test_the_command_records_only_where_it_is_asked_to(tmp_path, monkeypatch, capsys):
