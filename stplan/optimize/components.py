@@ -24,14 +24,17 @@ MOST_ROUNDS, LATER_BEGIN = 3, 2
 _ORDER = (Status.CONVERGED, Status.LIMIT, Status.FAILED, Status.INTERRUPTED)
 
 
-def components(problem: PlanningProblem, parts: DividedProblem) -> list[IntArray]:
+def components(parts: DividedProblem) -> list[IntArray]:
     """Agents that plan, those together who have to do with each other.
 
     Lone ones that ask for nothing but a cheap way are one component: none of them holds up another.
     """
-    found = connected(problem, parts.in_view())
-    plain = [one for one in found if len(one) == 1 and _is_plain(problem, int(one[0]))]
-    rest = [one for one in found if not (len(one) == 1 and _is_plain(problem, int(one[0])))]
+    problem = parts.problem
+    plain: list[IntArray] = []
+    rest: list[IntArray] = []
+    for one in connected(problem, parts.in_view()):
+        lone = len(one) == 1 and _is_plain(problem, int(one[0]))
+        (plain if lone else rest).append(one)
     return rest + ([np.sort(np.concatenate(plain))] if plain else [])
 
 
@@ -44,7 +47,6 @@ def _is_plain(problem: PlanningProblem, agent: int) -> bool:
 
 
 def optimise_components(
-    problem: PlanningProblem,
     parts: DividedProblem,
     found: Sequence[IntArray],
     *,
@@ -53,7 +55,7 @@ def optimise_components(
     live: LiveLine | None = None,
 ) -> Optimisation:
     """All components, again where they have joined."""
-    seed_costs = parts.costs(parts.formulation.scales.mu)
+    problem, seed_costs = parts.problem, parts.costs(parts.formulation.scales.mu)
     runs: list[Optimisation] = []
     failed = False
     known: list[set[int]] = []
@@ -74,7 +76,7 @@ def optimise_components(
             more = f" and {len(component) - 3} more" if len(component) > 3 else ""
             progress(f"{heading} ({ids}{more})  {done.iterations} iterations  {done.status}")
         known = [set(one.tolist()) for one in found]
-        found = components(problem, parts)
+        found = components(parts)
     statuses = [run.status for run in runs] + ([Status.FAILED] if failed else [])
     if stop():
         statuses.append(Status.INTERRUPTED)

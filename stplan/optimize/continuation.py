@@ -111,6 +111,7 @@ def optimise(
     observe: Observer | None = None,
     live: LiveLine | None = None,
     backend: Backend | None = None,
+    formulation: Formulation | None = None,
     begin: int = 0,
 ) -> Optimisation:
     """Make `seed` smooth and cheap by the paper's outer loop.
@@ -121,12 +122,13 @@ def optimise(
         observe: called with the knots (M, 3) and the terms of the objective after every iteration.
         live: given a maker of the same line after every iteration, to be called at once or not at all.
         backend: what solves the nonlinear programs, Ipopt as the scene has it by default.
+        formulation: of `problem` and `seed`, where it is known already.
         begin: outer iterations of the scene's settings that `seed` has behind it, from an earlier run.
 
     Raises:
         SolverError: Ipopt lacks the linear solver or an option asked for.
     """
-    formulation = formulate(problem, seed)
+    formulation = formulation or formulate(problem, seed)
     solver = ipopt(problem.scene) if backend is None else backend
     loop = _Loop(formulation, seed, solver, progress, stop, observe, live)
     return loop.run(begin)

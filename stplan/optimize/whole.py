@@ -30,14 +30,14 @@ def optimise_whole(
     size = block_size(problem)
     if size is not None:
         return optimise_blocks(problem, seed, size, progress=progress, stop=stop, live=live)
+    formulation = None
     if _separable(problem):
         parts = DividedProblem(problem, seed, stop)
-        found = components(problem, parts)
+        found = components(parts)
         if len(found) > 1:
-            return optimise_components(
-                problem, parts, found, progress=progress, stop=stop, live=live
-            )
-    return optimise(problem, seed, progress=progress, stop=stop, live=live)
+            return optimise_components(parts, found, progress=progress, stop=stop, live=live)
+        formulation = parts.formulation
+    return optimise(problem, seed, progress=progress, stop=stop, live=live, formulation=formulation)
 
 
 def _separable(problem: PlanningProblem) -> bool:

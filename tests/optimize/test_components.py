@@ -50,7 +50,7 @@ def test_components_are_those_who_have_to_do_with_each_other() -> None:
     problem = prepare(pairs())
     (initial,) = find_initial_curves(problem)
     lines = initial.seed.world_lines
-    found = components(problem, DividedProblem(problem, lines, lambda: False))
+    found = components(DividedProblem(problem, lines, lambda: False))
     assert sorted(one.tolist() for one in found) == [[0, 1], [2, 3], [4]]
 
 
