@@ -32,8 +32,8 @@ def export(
         typer.Option(
             "--format",
             metavar="FORMAT",
-            help="glb, animated-glb, csv, blender, jupedsim, jupedsim-sqlite, geojson, paths, vda5050, "
-            "openrmf, hdf5, parquet, mcap or usd.",
+            help="glb, animated-glb, csv, blender, jupedsim, jupedsim-sqlite, geojson, paths, splines, "
+            "vda5050, openrmf, hdf5, parquet, mcap or usd.",
         ),
     ] = "glb",
     output: Picture = None,
@@ -55,7 +55,8 @@ def export(
 
     glb holds rods in space and time and the walls, animated-glb moving discs; csv, blender, jupedsim (text
     for PedPy and JuPedSim), jupedsim-sqlite, vda5050, openrmf, hdf5, parquet, mcap (ROS 2, Foxglove) and
-    usd the run at fixed steps; geojson and paths the knots as planned. docs/formats.md says more. The file
+    usd the run at fixed steps; geojson and paths the knots as planned; splines smooth curves through the
+    knots, certified anew. docs/formats.md says more. The file
     goes into the run's folder unless told.
 
     \b

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from stplan.exports import animated_glb, documents, jupedsim, mcap, tables, usd
+from stplan.exports import animated_glb, documents, jupedsim, mcap, splines, tables, usd
 from stplan.exports.settings import ExportSettings
 from stplan.viewing.glb_file import glb_bytes
 from stplan.viewing.jupedsim_file import jupedsim_bytes
@@ -44,6 +44,7 @@ EXPORTS: dict[str, Export] = {
     "jupedsim-sqlite": Export("jupedsim.sqlite", jupedsim.sqlite_bytes),
     "geojson": Export("run.geojson", documents.geojson_bytes, sampled=False),
     "paths": Export("paths.txt", documents.paths_bytes, sampled=False),
+    "splines": Export("splines.json", splines.splines_bytes, sampled=False),
     "vda5050": Export("vda5050.json", documents.vda5050_bytes),
     "openrmf": Export("openrmf.json", documents.openrmf_bytes),
     "hdf5": Export("samples.h5", tables.hdf5_bytes),

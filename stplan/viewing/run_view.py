@@ -44,6 +44,7 @@ class RunView:
         time_scale: m/s.
         notes: a sentence for everything that is missing or differs.
         places: parts of the plane in which agents start and end.
+        scene: of the run, None where it is lost.
     """
 
     name: str
@@ -55,6 +56,7 @@ class RunView:
     time_scale: float
     notes: tuple[str, ...]
     places: tuple[Place, ...] = ()
+    scene: Scene | None = None
 
     @property
     def num_agents(self) -> int:
@@ -173,6 +175,7 @@ def open_run(path: Path, scene_file: Path | None = None) -> RunView:
         time_scale=scene.time_scale,
         notes=tuple(notes),
         places=scene.every_place,
+        scene=scene,
     )
 
 
