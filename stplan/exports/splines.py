@@ -3,8 +3,9 @@
 A spline through an agent's knots swings beyond the straight segments that were certified, so it is certified
 anew: its pieces are divided until the chords of their parts stray from it by less than a bound that is known
 (h^2 / 8 times the greatest second derivative), and the chords have to clear everything by more than what
-those concerned may stray. Agents whose splines do not, or break a limit or a waypoint, keep their straight
-segments; the run with straight segments alone is clear, so this ends.
+those concerned may stray. Splines that do not are led through points on the segments too, twice as many each
+time, which halves their swing. Agents whose splines never clear everything, or break a limit or a waypoint,
+keep their straight segments; the run with straight segments alone is clear, so this ends.
 """
 
 from __future__ import annotations
@@ -30,6 +31,8 @@ STRAY_SHARE = 1e-4
 MOST_PARTS = 256
 # Speed is bounded on so many parts of a piece, each by the corners of its hull.
 SPEED_PARTS = 8
+# Segments are halved up to so many times before an agent keeps them straight.
+MOST_HALVINGS = 6
 ROUNDING = 1e-9
 
 
@@ -87,23 +90,22 @@ def clear_splines(view: RunView) -> tuple[list[SplineCurve], Certificate]:
     if not certify(scene, view.free_space, lines).holds:
         raise UsageError("the run's own curves do not hold their certificate; see stplan check")
     agents = {agent.id: agent for agent in scene.agents}
-    curves = [
-        _spline(agents[name], curve)
-        for name, curve in zip(lines.agent_ids, lines.curves(), strict=True)
-    ]
+    planned = [(agents[name], lines.curve(a)) for a, name in enumerate(lines.agent_ids)]
+    curves = [_spline(agent, curve, 0) for agent, curve in planned]
+    halvings = [0] * len(curves)
     while True:
         chords = WorldLines.from_curves(lines.agent_ids, [curve.chords for curve in curves])
         certificate = certify(scene, view.free_space, chords)
         strays = {name: curve.stray for name, curve in zip(lines.agent_ids, curves, strict=True)}
         near = _too_near(certificate, strays)
-        rows = [a for a, name in enumerate(lines.agent_ids) if name in near]
-        if not any(curves[a].is_spline for a in rows):
-            if certificate.holds:
-                return curves, certificate
-            # What is broken has no place in the plane: limits of motion, meetings.
-            rows = list(range(len(curves)))
-        for a in rows:
-            curves[a] = _segments(lines.curve(a))
+        smooth = [a for a, curve in enumerate(curves) if curve.is_spline]
+        rows = [a for a in smooth if lines.agent_ids[a] in near]
+        if not rows and (certificate.holds or not smooth):
+            return curves, certificate
+        # What is broken without anybody being near is a meeting.
+        for a in rows or smooth:
+            halvings[a] += 1
+            curves[a] = _spline(*planned[a], halvings[a])
 
 
 def _too_near(certificate: Certificate, strays: dict[str, float]) -> set[str]:
@@ -127,17 +129,21 @@ def _segments(curve: FloatArray) -> SplineCurve:
     return SplineCurve(curve[:, 2], coefficients, curve, 0.0)
 
 
-def _spline(agent: Agent, curve: FloatArray) -> SplineCurve:
-    """The spline through the knots; the segments where it breaks what the agent alone is asked for.
+def _spline(agent: Agent, curve: FloatArray, halvings: int) -> SplineCurve:
+    """The spline through the knots and what halves the segments so many times.
 
-    At rest at both ends where accelerations are limited, without acceleration there elsewhere.
+    At rest at both ends where accelerations are limited, without acceleration there elsewhere. The segments
+    where that breaks what the agent alone is asked for, or `halvings` are too many.
     """
-    if len(curve) < 3 or agent.path:
+    if len(curve) < 3 or agent.path or halvings > MOST_HALVINGS:
         return _segments(curve)
+    points = curve
+    for _ in range(halvings):
+        points = np.insert(points, range(1, len(points)), 0.5 * (points[1:] + points[:-1]), axis=0)
     limited = agent.max_acceleration is not None
-    spline = CubicSpline(curve[:, 2], curve[:, :2], bc_type="clamped" if limited else "natural")
+    spline = CubicSpline(points[:, 2], points[:, :2], bc_type="clamped" if limited else "natural")
     coefficients = np.ascontiguousarray(np.moveaxis(spline.c[::-1], 0, 1))
-    found = _with_chords(curve, coefficients, STRAY_SHARE * agent.radius)
+    found = _with_chords(points, coefficients, STRAY_SHARE * agent.radius)
     kept = _keeps_limits(agent, found) and not broken_ends(agent, found.chords, assigned=True)
     return found if kept else _segments(curve)
 
