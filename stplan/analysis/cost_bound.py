@@ -2,7 +2,7 @@
 
 A plan costs what its agents pay by themselves (kinetic, turning and arrival cost). Each pays at least what it
 would pay alone, and alone at least the following (docs/method.md has the proof). Its way is no shorter than
-the lengths L_k of `shortest_lengths` between its stops, and takes the time that is left of D = t_n - t_0 when
+the lengths L_k of `shortest_legs` between its stops, and takes the time that is left of D = t_n - t_0 when
 it has dwelt; so by Cauchy and Schwarz
 
     kinetic cost >= K^K m (sum_k L_k)^2 / (2 (D - sum of dwells)),
@@ -22,9 +22,9 @@ from typing import Any
 import numpy as np
 
 from stplan.analysis.own_costs import own_costs
-from stplan.arrays import FloatArray, Point
+from stplan.analysis.shortest_trips import shortest_duration, shortest_legs
+from stplan.arrays import FloatArray
 from stplan.problem.planning_problem import PlanningProblem
-from stplan.problem.shortest_ways import shortest_lengths
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Agent, Scene, Visit
 
@@ -98,32 +98,12 @@ def bound_with(scene: Scene, lines: WorldLines, least: FloatArray) -> CostBound:
 
 def least_costs(problem: PlanningProblem) -> FloatArray:
     """(A,) what every agent that plans its motion pays at least on any plan; 0 for the others."""
-    points = {a: one.points for one in problem.scene.assignments for a in one.members}
     return np.array(
         [
-            0.0
-            if agent.path is not None
-            else (1.0 - ROUNDING)
-            * _least_cost(agent, _open_ended(agent, lengths, points.get(a, ())))
-            for a, (agent, lengths) in enumerate(
-                zip(problem.scene.agents, shortest_lengths(problem), strict=True)
-            )
+            0.0 if agent.path is not None else (1.0 - ROUNDING) * _least_cost(agent, legs)
+            for agent, legs in zip(problem.scene.agents, shortest_legs(problem), strict=True)
         ]
     )
-
-
-def _open_ended(agent: Agent, legs: FloatArray, points: Sequence[Point]) -> FloatArray:
-    """Lengths of ways between stops (m), of which the last leads straight to the nearest possible end.
-
-    Ends may be anywhere in the agent's places, or on one of the `points` that are assigned.
-    """
-    if not agent.goal_places and not points:
-        return legs
-    import shapely
-
-    origin = shapely.points([agent.start, *agent.waypoints][-1])
-    ends = [place.shape() for place in agent.goal_places] or list(shapely.points(np.array(points)))
-    return np.append(legs[:-1], min(legs[-1], float(shapely.distance(ends, origin).min())))
 
 
 def _least_cost(agent: Agent, legs: FloatArray) -> float:
@@ -132,7 +112,7 @@ def _least_cost(agent: Agent, legs: FloatArray) -> float:
     stiffness = 0.5 * agent.weights.kinetic * agent.mass
     dwelt = sum(visit.dwell for visit in visits)
     length = float(legs.sum())
-    shortest = max(_shortest_duration(agent, legs, visits), dwelt)
+    shortest = max(shortest_duration(agent, legs), dwelt)
     longest = max(agent.max_time - agent.start_time, shortest)
     aim, weight = agent.preferred_time, agent.weights.arrival
     if aim is None or weight <= 0.0:
@@ -169,20 +149,6 @@ def _cheapest(
         middle = 0.5 * (low + high)
         low, high = (middle, high) if falls(middle) else (low, middle)
     return min(cost(low), cost(high))
-
-
-def _shortest_duration(agent: Agent, legs: FloatArray, visits: Sequence[Visit]) -> float:
-    """What the agent needs at least from its start to its arrival, s."""
-    speed = np.inf if agent.max_speed is None else agent.max_speed
-    now = agent.start_time
-    for leg, visit in zip(legs.tolist(), (*visits, Visit()), strict=True):
-        begin = -np.inf if visit.window is None else visit.window[0]
-        now = max(now + leg / speed, begin) + visit.dwell
-    needed = now - agent.start_time
-    if agent.max_acceleration is not None:
-        # From rest to rest no way is longer than a T^2 / 2.
-        needed = max(needed, float(np.sqrt(2.0 * legs.sum() / agent.max_acceleration)))
-    return needed
 
 
 def _within_windows(
