@@ -7,10 +7,7 @@ COPY stplan /source/stplan
 RUN pip install --no-cache-dir "/source[dask]" && rm -rf /source
 # The kernels' machine code, made once; whoever runs the container, on another processor, adds to it.
 ENV NUMBA_CACHE_DIR=/var/cache/stplan
-COPY scenes /tmp/scenes
-RUN stplan solve /tmp/scenes/bottleneck/bottleneck.yaml /tmp/scenes/circle/circle-8.yaml -o /tmp/out -q \
-    && rm -rf /tmp/scenes /tmp/out \
-    && chmod -R a+rwX /var/cache/stplan
+RUN stplan doctor --compile && chmod -R a+rwX /var/cache/stplan
 WORKDIR /work
 ENTRYPOINT ["stplan"]
 CMD ["--help"]

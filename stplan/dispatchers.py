@@ -12,7 +12,7 @@ from collections.abc import Callable
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import llvmlite.binding as llvm
 from numba.core import caching, types
@@ -30,6 +30,10 @@ class EntryDispatcher(CPUDispatcher):
     def enable_caching(self) -> None:
         """Keep machine code on disk."""
         self._cache = _KernelCache(self.py_func)
+
+    def num_on_disk(self) -> int:
+        """For how many types of arguments there is machine code on disk, good for this processor."""
+        return self._cache.num_entries(cast(Any, self.targetctx).codegen())
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """Refuse to be called from compiled code."""
@@ -100,6 +104,12 @@ class _KernelCache(caching.FunctionCache):
     def _save_overload(self, sig: Any, data: Any) -> None:
         self._stamp()
         super()._save_overload(sig, data)
+
+    def num_entries(self, codegen: Any) -> int:
+        """How many signatures the index holds for the processor of `codegen`."""
+        self._stamp()
+        target = codegen.magic_tuple()
+        return sum(key[1] == target for key in self._cache_file._load_index())
 
     def _stamp(self) -> None:
         """Tell what the sources are, once all they refer to has been imported."""

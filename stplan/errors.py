@@ -16,9 +16,15 @@ BROKEN_SEED = "no initial curves were found that hold their certificate"
 
 
 class StplanError(Exception):
-    """Base of every error this package raises on purpose; ``exit_status`` is the command's."""
+    """Base of every error this package raises on purpose.
+
+    Attributes:
+        exit_status: the command's.
+        page: where the documentation says what helps, empty where the message says all there is.
+    """
 
     exit_status: int = 5
+    page: str = ""
 
 
 class SceneError(StplanError):
@@ -44,6 +50,7 @@ class SeedingError(StplanError):
     """
 
     exit_status = 3
+    page = "docs/troubleshooting.md#no-initial-curves-exit-status-3"
 
     def __init__(self, reasons: Sequence[Reason] | str) -> None:
         super().__init__(reasons)
@@ -73,6 +80,7 @@ class SolverError(StplanError):
     """The optimiser is missing something it was asked for (a linear solver, an option)."""
 
     exit_status = 2
+    page = "docs/dependencies.md"
 
 
 class OutOfMemoryError(StplanError):

@@ -12,6 +12,7 @@ from stplan.cli import (
     batch,
     bench_plans,
     checking,
+    doctor,
     exporting,
     importing,
     improving,
@@ -19,9 +20,10 @@ from stplan.cli import (
     scenes,
     viewing,
 )
-from stplan.cli.command import group
-from stplan.cli.console import write
+from stplan.cli.command import exit_status, group
+from stplan.cli.console import Console, write
 from stplan.cli.signals import interrupt_on_terminate
+from stplan.errors import UsageError
 
 _HELP = """Plan collision-free space-time trajectories for many unequal agents in tight spaces.
 
@@ -59,7 +61,7 @@ Units are metres, seconds and kilograms. The keys of a scene are in docs/scene-f
 # In the order in which help lists them.
 GROUPS = (
     planning.app, improving.app, checking.app, scenes.app, importing.app, viewing.app, exporting.app,
-    batch.app, bench_plans.app,
+    batch.app, bench_plans.app, doctor.app,
 )  # fmt: skip
 
 app = group(
@@ -84,21 +86,39 @@ def main(arguments: Sequence[str] | None = None) -> None:
     app(args=None if arguments is None else list(arguments), prog_name="stplan")
 
 
-def _print_version(wanted: bool) -> None:
-    if wanted:
+@app.callback(invoke_without_command=True)
+def _root(
+    context: typer.Context,
+    *,
+    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="With --version: of all libraries too, as JSON.")
+    ] = False,
+) -> None:
+    if version:
+        _print_version(as_json)
+        raise typer.Exit
+    if context.invoked_subcommand is None:
+        raise typer.Exit(exit_status(_no_command))
+    if as_json:
+        raise typer.Exit(exit_status(_misplaced))
+
+
+def _print_version(as_json: bool) -> None:
+    if as_json:
+        from stplan.files.json_file import json_bytes
+        from stplan.installation.parts import program_versions
+
+        write(sys.stdout, json_bytes(program_versions()).decode())
+    else:
         from importlib.metadata import version
 
         write(sys.stdout, f"stplan {version('stplan')}\n")
-        raise typer.Exit
 
 
-@app.callback()
-def _root(
-    version: Annotated[
-        bool,
-        typer.Option(
-            "--version", help="Print the version.", callback=_print_version, is_eager=True
-        ),
-    ] = False,
-) -> None:
-    del version
+def _no_command(console: Console) -> int:
+    raise UsageError("a command is expected; stplan --help lists them")
+
+
+def _misplaced(console: Console) -> int:
+    raise UsageError("--json goes with --version, or behind the command: stplan COMMAND --json")

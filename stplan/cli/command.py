@@ -14,7 +14,7 @@ from typing import Annotated, Any, cast
 
 import typer
 
-from stplan.cli.console import Console, failure
+from stplan.cli.console import Console, failure, further_reading
 from stplan.errors import UsageError
 
 Work = Callable[..., int]
@@ -77,7 +77,7 @@ def exit_status(work: Work, **switches: bool) -> int:
         return work(console)
     except (Exception, KeyboardInterrupt) as error:
         status, messages = failure(error)
-        console.error(*messages)
+        console.error(*messages, *further_reading(error))
         with suppress(UsageError):  # A full disk behind stdout: the messages above say enough.
             console.result_json({"exit_status": status, "messages": messages})
         return status

@@ -149,6 +149,12 @@ def failure(error: BaseException) -> tuple[int, list[str]]:
     return 5, [f"internal error: {what}; {_save_traceback(error)}"]
 
 
+def further_reading(error: BaseException) -> list[str]:
+    """The line that names the page of the documentation on an error, where there is one."""
+    known = as_stplan_error(error)
+    return [f"more on this: {known.page}"] if known is not None and known.page else []
+
+
 def _save_traceback(error: BaseException) -> str:
     text = "".join(traceback.format_exception(error))
     try:
@@ -165,5 +171,5 @@ def note_failure(
 ) -> None:
     """Say what an exception means for one of several things that a command does, and note it."""
     status, messages = failure(error)
-    console.error(*(prefix + message for message in messages))
+    console.error(*(prefix + message for message in [*messages, *further_reading(error)]))
     record |= {"exit_status": status, "status": "error", "messages": messages}

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+from pathlib import Path
 from typing import Annotated
 
 import pytest
@@ -10,7 +12,7 @@ import typer
 
 from stplan.cli.command import command, group
 from stplan.cli.console import Console
-from stplan.errors import SeedingError
+from stplan.errors import SeedingError, SolverError
 
 
 @pytest.fixture
@@ -57,11 +59,25 @@ def test_arguments_and_switches_reach_the_function(call):
     assert (status, json.loads(out)["words"]) == (0, ["a", "b"])
 
 
+# With the page that says more.
+TOO_MANY = f"too many\nmore on this: {SeedingError.page}\n"
+
+
+def test_the_pages_that_errors_name_exist():
+    root = Path(__file__).parents[2]
+    for error in (SeedingError, SolverError):
+        page, _, anchor = error.page.partition("#")
+        headings = re.findall(r"(?m)^#+ (.*)$", (root / page).read_text(encoding="utf-8"))
+        assert not anchor or anchor in {
+            re.sub(r"[^\w -]", "", heading).lower().replace(" ", "-") for heading in headings
+        }
+
+
 def test_an_exception_is_its_exit_status_and_a_message(call):
-    assert call("count", "a", "b", "--at-most", "1") == (3, "", "too many\n")
+    assert call("count", "a", "b", "--at-most", "1") == (3, "", TOO_MANY)
     status, out, err = call("count", "a", "b", "--at-most", "1", "--json")
     assert (status, json.loads(out), err) == (
-        3, {"exit_status": 3, "messages": ["too many"]}, "too many\n",
+        3, {"exit_status": 3, "messages": ["too many"]}, TOO_MANY,
     )  # fmt: skip
 
 
