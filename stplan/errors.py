@@ -83,6 +83,16 @@ class SolverError(StplanError):
     page = "docs/dependencies.md"
 
 
+class DerivativeError(StplanError):
+    """A cost of one's own has wrong derivatives: a line for everything that does not fit."""
+
+    exit_status = 2
+
+    def __init__(self, faults: Sequence[str]) -> None:
+        self.faults = tuple(faults)
+        super().__init__("\n".join(faults))
+
+
 class OutOfMemoryError(StplanError):
     """The system, or a limit set for this process (``ulimit -v``), gives no more memory."""
 

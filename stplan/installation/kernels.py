@@ -8,9 +8,9 @@ from importlib import import_module
 from pathlib import Path
 from pkgutil import walk_packages
 
-import stplan
 from stplan.dispatchers import EntryDispatcher
 
+_PACKAGE = Path(__file__).parents[1]
 # Rooms without kernels, whose imports may need optional packages.
 _WITHOUT = ("stplan.__main__", "stplan.bench", "stplan.cli")
 
@@ -35,7 +35,7 @@ class KernelCache:
 def all_kernels() -> dict[str, EntryDispatcher]:
     """Every kernel of the package, by its module and name; imports all modules that may have one."""
     found = {}
-    for module in walk_packages(stplan.__path__, "stplan."):
+    for module in walk_packages([str(_PACKAGE)], "stplan."):
         if not module.name.startswith(_WITHOUT):
             for value in vars(import_module(module.name)).values():
                 if isinstance(value, EntryDispatcher):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from typing import Any
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from stplan.analysis.tightness import pair_spots, wall_spots
@@ -16,6 +17,7 @@ from stplan.viewing.run_view import RunView
 from stplan.wording import metres
 
 PARTS = ("map", "time", "rods")
+AXES_PARTS = ("map", "clearance", "speed", "arrivals", "rods")
 FORMATS = ("png", "svg", "pdf")
 _WIDTH = 13.0
 _HEAD = 0.5
@@ -78,6 +80,25 @@ def draw_figure(view: RunView, *, parts: tuple[str, ...] = PARTS, seed: bool = F
     for each in labels:
         each.settle()
     return figure
+
+
+def new_axes(part: str) -> Axes:
+    """Axes for one of `AXES_PARTS` in a figure of their own."""
+    axes: Axes = Figure(layout="constrained").add_subplot(
+        projection="3d" if part == "rods" else None
+    )
+    return axes
+
+
+def draw_part(axes: Axes, view: RunView, part: str, *, seed: bool = False) -> None:
+    """Fill `axes` of somebody's figure with one of `AXES_PARTS`; `rods` needs axes in 3D."""
+    with look():
+        if part != "map":
+            _DRAW[part](axes, view)
+            return
+        labels = draw_map(axes, view, seed=seed)
+        axes.get_figure(root=True).draw_without_rendering()
+        labels.settle()
 
 
 def _row_height(row: list[str], aspect: float) -> float:

@@ -19,6 +19,7 @@ from stplan.files.npz_file import read_npz
 from stplan.files.recorded import REPORT
 from stplan.files.run_folder import recorded_scene
 from stplan.files.trajectories import read_trajectories
+from stplan.planned import Plan
 from stplan.problem.ends import ending_as
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
@@ -176,6 +177,24 @@ def open_run(path: Path, scene_file: Path | None = None) -> RunView:
         notes=tuple(notes),
         places=scene.every_place,
         scene=scene,
+    )
+
+
+def view_plan(plan: Plan) -> RunView:
+    """A plan as it is shown, straight from memory."""
+    scene = plan.scene
+    lines = plan.seed if plan.trajectories is None else plan.trajectories
+    problem = PlanningProblem.from_scene(ending_as(scene, lines), build_free_space(scene))
+    return RunView(
+        name=scene.name,
+        title=scene.name if plan.trajectories is not None else f"{scene.name}, initial curves",
+        description=scene.description,
+        crowd=Crowd.of_problem(problem, lines),
+        seed=None if plan.trajectories is None else plan.seed,
+        waypoints=tuple(agent.waypoints for agent in scene.agents),
+        time_scale=scene.time_scale,
+        notes=(),
+        places=scene.every_place,
     )
 
 
