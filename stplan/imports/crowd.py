@@ -17,6 +17,10 @@ from stplan.world import FreeSpace, eroded
 ROOM = 1.05
 # So many places are tried for an agent.
 MOST_TRIES = 300
+# So many places are drawn at once.
+DRAWN = 256
+# And so many times, until an area is taken for a place.
+MOST_DRAWS = 100
 
 
 @dataclass(frozen=True)
@@ -60,7 +64,7 @@ class Placer:
         aimed = shapely.union_all(np.array(goals, dtype=object)) if goals else None
         from_parts = [_within(part, wanted) for part in self.parts]
         to_parts = [_within(part, aimed) for part in self.parts]
-        both = [k for k in range(len(self.parts)) if from_parts[k].size and to_parts[k].size]
+        both = [k for k in range(len(self.parts)) if from_parts[k].area and to_parts[k].area]
         if not both:
             return []
         weights = np.array([from_parts[k].area for k in both])
@@ -92,7 +96,7 @@ class Placer:
                 continue
             goal = None if goals else self._spot(part, start, spots)
             area = _within(part, aimed)
-            if goal is None and area.size:
+            if goal is None and area.area:
                 goal = self._goal(area, share_goals=False)
             if goal is not None:
                 self.goals.add(goal)
@@ -116,7 +120,7 @@ class Placer:
                 return spot
         return None
 
-    def _goal(self, area: _Triangles, *, share_goals: bool) -> Point | None:
+    def _goal(self, area: _Area, *, share_goals: bool) -> Point | None:
         for _ in range(MOST_TRIES):
             place = area.draw(self.rng)
             goal = place if share_goals else self.goals.fresh(place)
@@ -125,28 +129,27 @@ class Placer:
         return None
 
 
-class _Triangles:
-    """An area cut into triangles, from which places are drawn evenly."""
+class _Area:
+    """An area from which places are drawn evenly: in the rectangle around it, until one lies inside."""
 
     def __init__(self, area: Any) -> None:
-        pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(area))
-        self.corners = np.array([shapely.get_coordinates(piece)[:3] for piece in pieces]).reshape(
-            -1, 3, 2
-        )
-        sizes = shapely.area(pieces)
-        self.area = float(sizes.sum())
-        self.size = len(pieces) if self.area > 0 else 0
-        self._up_to = np.cumsum(sizes) / self.area if self.size else sizes
+        self._shape = area
+        self.area = float(area.area)
+        shapely.prepare(area)
+        self._found: list[Point] = []
 
     def draw(self, rng: np.random.Generator) -> Point:
         """A place."""
-        k = int(np.searchsorted(self._up_to, rng.random(), side="right"))
-        a, b, c = self.corners[min(k, len(self.corners) - 1)]
-        u, v = rng.random(2)
-        if u + v > 1:
-            u, v = 1 - u, 1 - v
-        x, y = np.round(a + u * (b - a) + v * (c - a), 6).tolist()
-        return x, y
+        low_x, low_y, high_x, high_y = self._shape.bounds
+        for _ in range(MOST_DRAWS):
+            if self._found:
+                return self._found.pop()
+            x, y = np.round(rng.uniform((low_x, low_y), (high_x, high_y), (DRAWN, 2)), 6).T
+            inside = shapely.contains_xy(self._shape, x, y)
+            self._found = list(zip(x[inside].tolist(), y[inside].tolist(), strict=True))
+        # It is hardly there.
+        place = shapely.point_on_surface(self._shape)
+        return float(place.x), float(place.y)
 
 
 class _Taken:
@@ -179,12 +182,12 @@ class _Taken:
         return int(place[0] // self.apart), int(place[1] // self.apart)
 
 
-def _within(part: Any, region: Any | None) -> _Triangles:
+def _within(part: Any, region: Any | None) -> _Area:
     area = part if region is None else shapely.intersection(part, region)
     pieces = [
         one for one in shapely.get_parts(area) if isinstance(one, shapely.Polygon) and one.area > 0
     ]
-    return _Triangles(shapely.MultiPolygon(pieces))
+    return _Area(shapely.MultiPolygon(pieces))
 
 
 def apart(places: FloatArray, distances: FloatArray) -> list[int]:

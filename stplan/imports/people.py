@@ -108,7 +108,9 @@ def _widest(
     sizes = [agent.radius for agent in agents] + [
         options.radius or flow.radius or radius for flow in drawing.flows if options.own
     ]
-    return max((size for size in sizes if size), default=radius)
+    # Those who are asked for beyond the files' own have the usual radius.
+    usual = radius if options.agents is not None else 0.0
+    return max((size for size in (*sizes, usual) if size), default=radius)
 
 
 def _with_goals(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import shapely
 import trimesh
 
 from stplan.arrays import FloatArray, IntArray
@@ -11,6 +10,7 @@ from stplan.viewing.palette import agent_colours
 from stplan.viewing.rod_meshes import rod_curve, rod_mesh
 from stplan.viewing.run_view import RunView
 from stplan.world import FreeSpace
+from stplan.world.triangulation import triangles_of
 
 _SIDES = 32
 _WALL_GREY = (0.55, 0.58, 0.62)
@@ -67,8 +67,10 @@ def _origin(view: RunView) -> FloatArray:
 
 def floor_mesh(free_space: FreeSpace) -> tuple[FloatArray, IntArray]:
     """The floor at height 0, facing upwards: vertices (V, 3) and triangles (F, 3)."""
-    parts = shapely.get_parts(shapely.constrained_delaunay_triangles(free_space.area))
-    corners = shapely.get_coordinates(shapely.orient_polygons(parts)).reshape(-1, 4, 2)[:, :3]
+    corners = triangles_of(free_space.area)
+    a, b, c = np.moveaxis(corners, 1, 0)
+    clockwise = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]
+    corners[clockwise] = corners[clockwise][:, ::-1]
     vertices, place = np.unique(corners.reshape(-1, 2), axis=0, return_inverse=True)
     return np.column_stack([vertices, np.zeros(len(vertices))]), place.reshape(-1, 3)
 

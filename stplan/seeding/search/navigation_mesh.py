@@ -16,6 +16,7 @@ from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.compiled import inlined, inner, kernel
 from stplan.geometry.growable import with_room
 from stplan.seeding.search.heap import drop_root, push
+from stplan.world.triangulation import triangles_of
 
 # Shares of a side nearer than this to one of its ends are that end.
 AT_END = 1e-13
@@ -43,11 +44,10 @@ class NavigationMesh(NamedTuple):
 
 def triangulated(area: shapely.Geometry) -> NavigationMesh:
     """The mesh of polygons, empty if they are."""
-    found = shapely.get_parts(shapely.constrained_delaunay_triangles(area))
-    if not len(found):
+    rings = triangles_of(area)
+    if not len(rings):
         nothing = np.empty((0, 3), dtype=np.int64)
         return NavigationMesh(np.empty((0, 2)), nothing, nothing, np.empty(0, dtype=bool))
-    rings = shapely.get_coordinates(found).reshape(-1, 4, 2)[:, :3]
     corners, place = np.unique(rings.reshape(-1, 2), axis=0, return_inverse=True)
     triangles = np.ravel(place).reshape(-1, 3).astype(np.int64)
     a, b, c = (corners[triangles[:, k]] for k in range(3))
