@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 
 from stplan.bench.csv_table import csv_table
+from stplan.bench.deviations import Outcome, Snapping, deviations_text
 from stplan.bench.markdown import number, table
 from stplan.bench.paper import PLOTS, WAYS, Compared, IterationTimes, Recipe, growths
 from stplan.bench.plots import Series, growth_figure
@@ -27,18 +28,29 @@ _HEAD = (
 )
 
 
-def files(compared: Sequence[Compared], timings: Sequence[IterationTimes]) -> dict[str, bytes]:
+def files(
+    compared: Sequence[Compared],
+    timings: Sequence[IterationTimes],
+    outcomes: Sequence[Outcome],
+    snapping: Snapping,
+) -> dict[str, bytes]:
     """Names and contents of the files of the measurement."""
     text = f"{_scenes(compared)}\n{_plots(timings)}"
     pictures = {f"{plot.name}.png": _picture(plot, timings) for plot in PLOTS}
-    return result_files("paper", _csv(compared), text) | pictures
+    deviations = result_files(
+        "paper_deviations",
+        csv_table([asdict(one) for one in outcomes]),
+        deviations_text(outcomes, snapping),
+    )
+    return result_files("paper", _csv(compared), text) | deviations | pictures
 
 
 def _csv(compared: Sequence[Compared]) -> str:
     """A row for each scene and recipe."""
     return csv_table(
         [
-            {"scene": one.scene, "recipe": name, "cost": recipe.cost} | asdict(recipe.figures)
+            {"scene": one.scene, "recipe": name, "cost": recipe.cost, "seconds": recipe.seconds}
+            | asdict(recipe.figures)
             for one in compared
             for name, recipe in (("default", one.default), ("paper", one.paper))
         ]
@@ -60,25 +72,37 @@ def _scenes(compared: Sequence[Compared]) -> str:
     ]
     planned = sum(one.paper.figures.certified for one in compared)
     count = f"The paper's recipe plans {planned} of {len(compared)} scenes."
-    return f"{table(_HEAD, rows, (0, 1, 9))}\n{count}\n"
+    reasons = "".join(
+        f"\n- {one.scene}: {one.paper.figures.status}"
+        for one in compared
+        if not one.paper.figures.certified
+    )
+    listed = f" It does not plan:\n{reasons}" if reasons else ""
+    return f"{table(_HEAD, rows, (0, 1, 9))}\n{count}{listed}\n"
 
 
 def _cells(recipe: Recipe) -> tuple[str, str, str]:
     figures = recipe.figures
-    return number(recipe.cost, ".5g"), str(figures.iterations), f"{figures.total_seconds:.1f}"
+    return number(recipe.cost, ".5g"), str(figures.iterations), f"{recipe.seconds:.1f}"
 
 
 def _plots(timings: Sequence[IterationTimes]) -> str:
-    """Milliseconds an iteration, a table a plot, with the fitted exponents below."""
+    """Milliseconds an iteration and contacts, a table a plot, with fitted exponents below."""
     parts = []
     for plot in PLOTS:
         own = [one for one in timings if one.plot == plot.name]
         rows = [
-            (str(one.size), *(number(1e3 * one.seconds[way], ".1f") for way in WAYS)) for one in own
+            (
+                str(one.size),
+                *(number(1e3 * one.seconds[way], ".1f") for way in WAYS),
+                *(str(one.contacts[way]) for way in WAYS),
+            )
+            for one in own
         ]
         powers = growths(timings, plot.name)
-        rows.append(("exponent", *(number(powers[way], ".2f") for way in WAYS)))
-        head = (plot.size, *(f"{way}, ms" for way in WAYS))
+        exponents = [powers[way][part] for part in range(2) for way in WAYS]
+        rows.append(("exponent", *(number(one, ".2f") for one in exponents)))
+        head = (plot.size, *(f"{way}, ms" for way in WAYS), *(f"{way}, contacts" for way in WAYS))
         parts.append(f"{plot.title}\n\n{table(head, rows)}")
     return "\n".join(parts)
 
@@ -91,7 +115,7 @@ def _picture(plot: Sweep, timings: Sequence[IterationTimes]) -> bytes:
             way,
             [float(one.size) for one in own],
             [1e3 * one.seconds[way] for one in own],
-            powers[way],
+            powers[way][0],
         )
         for way in WAYS
     ]

@@ -84,13 +84,14 @@ def paper(
 
     Costs, iterations and seconds of either stand side by side. An iteration is timed over agents, knots
     and wall edges, by the default, by the paper's recipe, and with barriers of every pair of segments.
+    Each deviation of the default is taken back once, to see what it gains.
 
     \b
     Examples:
       stplan bench paper
       stplan bench paper --only circle,corn --time-limit 60
     """
-    from stplan.bench import paper, paper_table
+    from stplan.bench import deviations, paper, paper_table
     from stplan.bench.named_scenes import chosen_scenes
     from stplan.bench.plots import require_matplotlib
 
@@ -101,4 +102,9 @@ def paper(
     seconds = time_limit or (paper.FULL_SECONDS if full else paper.SMALL_SECONDS)
     compared = paper.compare(files, seconds, progress=console.progress)
     timings = paper.time_iterations(full=full, progress=console.progress)
-    return finish(console, output, paper_table.files(compared, timings))
+    named = deviations.FULL_SCENES if full else deviations.SMALL_SCENES
+    few = chosen_scenes(scenes, [], small=named, every=named, full=full)
+    outcomes = deviations.measure(few, seconds, progress=console.progress)
+    every = chosen_scenes(scenes, [], small=(), every=tuple(paper.FIGURES), full=True)
+    snapping = deviations.snap_places(every)
+    return finish(console, output, paper_table.files(compared, timings, outcomes, snapping))

@@ -37,7 +37,7 @@ from stplan.scene.interactions import Interactions
 # Lists reach this much further than the structure: they cost less than what renewing them saves.
 LIST_SKIN = 1.5
 # Without an end to barriers far pairs have long stretches of about equal distance, and are soft: their
-# structure reaches this part as far.
+# lists and structure reach this part as far.
 ENDLESS_SKIN = 0.1
 
 
@@ -103,7 +103,7 @@ class Collision(ContactTerm):
         if smooth is not None:
             coupling = DenseCoupling(candidates.find(knots, skin), len(knots), dimension=3)
         super().__init__(
-            ContactSet.fresh(candidates, knots, LIST_SKIN * skin),
+            ContactSet.fresh(candidates, knots, LIST_SKIN * room),
             ContactModel(potential, ContactBlocks(blocks, len(knots), dimension=3), coupling),
         )
 
