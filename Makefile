@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 DEMO := scenes/bottleneck/bottleneck.yaml
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test claims check bench gallery page format clean
+.PHONY: help demo test claims check bench gallery docs page format clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -38,6 +38,10 @@ format: $(VENV)/.installed-dev ## format the sources and fix what the linter can
 
 gallery: $(VENV)/.installed-dev ## plan and draw every scene: docs/gallery and the pictures of README
 	$(BIN)/python docs/make_gallery.py
+
+docs: $(VENV)/.installed-dev ## build the site of the documentation into build/site; warnings are errors
+	$(BIN)/python -m sphinx -W --keep-going -q -c docs/site -d build/doctrees docs build/site
+	@echo "Open build/site/index.html"
 
 page: ## build the page of `stplan view` from its sources; needs node and npm
 	cd stplan/viewing/page && npm ci --silent && npm run --silent build

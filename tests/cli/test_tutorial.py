@@ -1,4 +1,4 @@
-"""The tutorial, followed to the letter."""
+"""The tutorials, followed to the letter."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import shlex
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 PAGE = Path(__file__).parents[2] / "docs" / "tutorial.md"
 
@@ -38,3 +39,22 @@ def test_every_step_does_what_the_page_says(run, monkeypatch, tmp_path):
     too_wide = run("solve", "door.yaml", "--set", "agents.bob.radius=0.6")
     assert too_wide.status == 3
     assert "the widest lets a radius of 0.50" in too_wide.err
+
+
+FOLDER = PAGE.parent / "site" / "tutorials"
+MADE = {
+    "crowds": ["samples.csv", "room.txt", "study/batch.csv", "outputs/room/view.html"],
+    "animation": ["takes.webp", "corridor.glb", "corridor.csv", "splines.json"],
+    "fleets": ["orders.json", "paths.json", "golden/warehouse/trajectories.csv"],
+}
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_every_user_ends_with_what_the_page_promises(run, monkeypatch, tmp_path, name):
+    monkeypatch.chdir(tmp_path)
+    page = (FOLDER / f"{name}.md").read_text(encoding="utf-8")
+    for block in re.findall(r"```bash\n(.*?)```", page, re.DOTALL):
+        for command in block.splitlines():
+            result = run(*shlex.split(command)[1:])
+            assert result.status == 0, (command, result.err)
+    assert [file for file in MADE[name] if not Path(file).is_file()] == []
