@@ -20,8 +20,10 @@ from stplan.compiled import working_time
 from stplan.drafts import tight_seeds
 from stplan.errors import SeedingError
 from stplan.problem.arrivals import hurried
+from stplan.problem.launches import Launches
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
+from stplan.reasons import Reason
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Portfolio, Seed, prepare_portfolio
 from stplan.seeding.seeder import Budget, Progress
@@ -73,11 +75,31 @@ def best_seeds(problem: PlanningProblem, *, progress: Progress) -> Contest:
     Raises:
         SeedingError: there is none; its reasons are in the user's units.
     """
+    launches = None
     try:
-        return _contest(problem, progress)
+        launches = Launches.of(problem)
+        if launches is None:
+            return _contest(problem, progress)
+        contest = _contest(launches.problem, progress)
     except SeedingError as error:
-        reasons = [problem.written.outside_reason(one) for one in error.reasons]
+        found = (
+            error.reasons if launches is None else [_of_whole(launches, r) for r in error.reasons]
+        )
+        reasons = [problem.written.outside_reason(one) for one in found]
         raise SeedingError(reasons or str(error)) from error
+    return replace(contest, seeds=tuple(_launched(launches, seed) for seed in contest.seeds))
+
+
+def _launched(launches: Launches, seed: Seed) -> Seed:
+    """A seed of the rest as one of all."""
+    curves = launches.joined(list(seed.world_lines.curves()))
+    return replace(seed, world_lines=WorldLines.from_curves(launches.whole.agent_ids, curves))
+
+
+def _of_whole(launches: Launches, reason: Reason) -> Reason:
+    """A reason why nothing was found for the rest as one of all: other launches may lead further."""
+    agents = tuple(dict.fromkeys(map(launches.owner, reason.agents)))
+    return replace(reason, agents=agents, proven=False)
 
 
 def _contest(problem: PlanningProblem, progress: Progress) -> Contest:

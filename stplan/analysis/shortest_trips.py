@@ -39,8 +39,13 @@ def shortest_duration(agent: Agent, legs: FloatArray) -> float:
         now = max(now + leg / speed, begin) + visit.dwell
     needed = now - agent.start_time
     if agent.max_acceleration is not None:
-        # From rest to rest no way is longer than a T^2 / 2.
-        needed = max(needed, float(np.sqrt(2.0 * legs.sum() / agent.max_acceleration)))
+        # From speed v to rest no way is longer than (v + a T) T / 2.
+        limit, length = agent.max_acceleration, float(legs.sum())
+        if agent.start_velocity is None:
+            return max(needed, float(np.sqrt(2.0 * length / limit)))
+        first = float(np.hypot(*agent.start_velocity))
+        root = float(np.sqrt(first**2 + 8.0 * limit * length))
+        needed = max(needed, 0.5 * (root - first) / limit)
     return needed
 
 

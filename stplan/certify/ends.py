@@ -41,6 +41,12 @@ def broken_ends(agent: Agent, curve: FloatArray, *, assigned: bool = False) -> l
             f"{agent.id}: starts at {tuple(curve[0].tolist())}, "
             f"not at {(*agent.start, agent.start_time)}"
         )
+    if agent.starts_as_given and _starts_otherwise(agent, curve):
+        step = curve[1] - curve[0]
+        sentences.append(
+            f"{agent.id}: starts with velocity {tuple((step[:2] / step[2]).tolist())} m/s, "
+            f"not with {agent.start_velocity} m/s"
+        )
     if agent.goal_places:
         outside = outside_all(agent.goal_places, curve[-1, :2], place_tolerance(agent, curve))
         sentences += [f"{agent.id}: {outside}"] if outside else []
@@ -56,6 +62,13 @@ def broken_ends(agent: Agent, curve: FloatArray, *, assigned: bool = False) -> l
     if missed:
         return [missed]
     return [] if agent.path is None else _left_path(agent, curve)
+
+
+def _starts_otherwise(agent: Agent, curve: FloatArray) -> bool:
+    """Whether the first segment does not lead where the agent's velocity does."""
+    place, time = curve[1, :2] - curve[0, :2], float(curve[1, 2] - curve[0, 2])
+    off = np.hypot(*(place - time * np.array(agent.start_velocity)))
+    return bool(off > place_tolerance(agent, curve))
 
 
 def _left_path(agent: Agent, curve: FloatArray) -> list[str]:

@@ -3,8 +3,8 @@
 Motion is straight at constant speed between knots, so speed is that of segments. Velocity jumps at knots,
 so an acceleration has to be defined: the change of velocity at a knot over the time between the middles of
 its two segments, but over no more than an eighth of the time from start to arrival (`LONGEST_SHARE`).
-Before the first and after the last knot an agent with such a limit is at rest, half a segment from that
-segment's middle.
+Before the first and after the last knot an agent with such a limit is at rest (before the first one at its
+`start_velocity`, where it has one), half a segment from that segment's middle.
 
 But for the eighth, any smooth motion through the knots at their times accelerates at least so much
 somewhere around the knot (mean value theorem). An agent that changes its velocity evenly around a knot, at
@@ -77,8 +77,8 @@ def motion_peaks(agent: Agent, curve: FloatArray) -> list[Peak]:
         when = 0.5 * float(curve[worst, 2] + curve[worst + 1, 2])
         peaks.append(Peak(agent.id, "speed", agent.max_speed, float(speed[worst]), when))
     if agent.max_acceleration is not None:
-        rest = np.zeros((1, 2))
-        change = np.diff(np.vstack([rest, velocity, rest]), axis=0)
+        before, rest = np.array(agent.start_velocity or (0.0, 0.0)), np.zeros(2)
+        change = np.diff(np.vstack([before, velocity, rest]), axis=0)
         half = np.concatenate([[0.0], 0.5 * step[:, 2], [0.0]])
         longest = LONGEST_SHARE * float(curve[-1, 2] - curve[0, 2])
         between, jump = half[:-1] + half[1:], np.hypot(change[:, 0], change[:, 1])

@@ -132,16 +132,19 @@ def _segments(curve: FloatArray) -> SplineCurve:
 def _spline(agent: Agent, curve: FloatArray, halvings: int) -> SplineCurve:
     """The spline through the knots and what halves the segments so many times.
 
-    At rest at both ends where accelerations are limited, without acceleration there elsewhere. The segments
-    where that breaks what the agent alone is asked for, or `halvings` are too many.
+    At rest at both ends (at the start with its velocity, where it has one) where accelerations are limited,
+    without acceleration there elsewhere. The segments where that breaks what the agent alone is asked for, or
+    `halvings` are too many.
     """
     if len(curve) < 3 or agent.path or halvings > MOST_HALVINGS:
         return _segments(curve)
     points = curve
     for _ in range(halvings):
         points = np.insert(points, range(1, len(points)), 0.5 * (points[1:] + points[:-1]), axis=0)
-    limited = agent.max_acceleration is not None
-    spline = CubicSpline(points[:, 2], points[:, :2], bc_type="clamped" if limited else "natural")
+    ends: Any = "natural"
+    if agent.max_acceleration is not None:
+        ends = ((1, np.array(agent.start_velocity or (0.0, 0.0))), (1, np.zeros(2)))
+    spline = CubicSpline(points[:, 2], points[:, :2], bc_type=ends)
     coefficients = np.ascontiguousarray(np.moveaxis(spline.c[::-1], 0, 1))
     found = _with_chords(points, coefficients, STRAY_SHARE * agent.radius)
     kept = _keeps_limits(agent, found) and not broken_ends(agent, found.chords, assigned=True)

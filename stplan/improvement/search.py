@@ -28,6 +28,7 @@ from stplan.improvement.trials import Trials
 from stplan.optimize.continuation import LiveLine, Optimisation
 from stplan.optimize.restoration import asks_for_more, restore
 from stplan.problem.kinetic_cost import kinetic_cost
+from stplan.problem.launches import Launches
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.seeding.homotopy import signature
@@ -169,7 +170,10 @@ class _Search:
         self._budget = budget
         self._deadline = working_time() + budget.seconds
         self._stop = stop
-        self._proposals = Proposals(problem, self._rng)
+        self._launches = Launches.of_curves(problem, list(lines.curves()))
+        self._proposals = Proposals(
+            problem if self._launches is None else self._launches.problem, self._rng
+        )
         self._tallies = {move: _Tally(move.worth, LEAST_SHARE * move.worth) for move in MOVES}
         self._known: set[bytes] = set()
         self._least: FloatArray | None = None
@@ -198,6 +202,8 @@ class _Search:
         before, used = self._best.cost, self._trials.iterations
         self._moves += 1
         curves = self._proposals.propose(move, self._stopped)
+        if curves is not None and self._launches is not None:
+            curves = self._launches.joined(curves)
         found = None if curves is None else self._optimised(curves)
         self.kept_last = found is not None
         if found is not None:
@@ -239,11 +245,20 @@ class _Search:
     def _take_up(self) -> None:
         """Propose changes to the best plan from now on."""
         lines, scene = self._best.lines, self._problem.scene
-        if self._least is None:
-            self._least = _least_costs(self._problem, self._proposals.ways)
         curves = list(lines.curves())
+        launches = Launches.of_curves(self._problem, curves)
+        if launches is not None and self._best.optimisation is not None:
+            self._launches = launches
+            self._proposals = Proposals(launches.problem, self._rng)
+        if self._least is None:
+            ways = self._proposals.ways[: self._problem.num_agents]
+            self._least = _least_costs(self._problem, ways)
         self._known.add(signature(self._problem, curves))
-        self._proposals.start_from(curves, own_costs(scene, lines) - self._least)
+        excess = own_costs(scene, lines) - self._least
+        if self._launches is not None:
+            curves = self._launches.parted(curves)
+            excess = np.pad(excess, (0, len(curves) - len(excess)))
+        self._proposals.start_from(curves, excess)
 
     def _optimised(self, curves: list[FloatArray]) -> _Best | None:
         """The plan that `curves` lead to, None where it is no cheaper, or looks so."""

@@ -42,6 +42,9 @@ def build_constraints(
             lower[own] = upper[own] = seed[own]
             continue
         lower[first] = upper[first] = seed[first]
+        if problem.scene.agents[a].starts_as_given:
+            # Any other end of the first segment would give it another velocity or another duration.
+            lower[first + 1] = upper[first + 1] = seed[first + 1]
         if not ends_freely(problem, a):
             lower[last, :2] = upper[last, :2] = seed[last, :2]
         upper[last, 2] = problem.max_times[a]
@@ -54,6 +57,8 @@ def build_constraints(
     least = np.minimum(LEAST_DURATION_SHARE * mean, SEED_DURATION_SHARE * step)
     irregular = np.array([agent.weights.regularity == 0.0 for agent in problem.scene.agents])
     guarded = irregular[layout.agent_of_segment]
+    launched = [agent.starts_as_given for agent in problem.scene.agents]
+    guarded[np.searchsorted(layout.segment, layout.first[launched])] = False
     dwelling = np.searchsorted(layout.segment, timed.stays[:, 0])
     share = _greatest_shares(problem, layout, step)
     share[dwelling] = np.inf

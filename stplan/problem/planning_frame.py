@@ -116,6 +116,12 @@ class PlanningFrame:
         """`times` (N,) of the scene in this frame."""
         return _on_grid(_difference(times, np.float64(self.start)) / self.time)
 
+    def local_velocity(self, velocity: tuple[float, float]) -> tuple[float, float]:
+        """`velocity` of the scene in this frame."""
+        x, y = velocity
+        turned = (self.cosine * x + self.sine * y, self.cosine * y - self.sine * x)
+        return share(turned[0], self.speed), share(turned[1], self.speed)
+
     def points(self, local: FloatArray) -> FloatArray:
         """`local` points (N, 2) in m."""
         x, y = self.length * local.T

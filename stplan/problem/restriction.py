@@ -50,6 +50,7 @@ def restricted(
             visits=(),
             max_speed=None,
             max_acceleration=None,
+            start_velocity=None,
         )
         for number, piece in enumerate(obstacles)
     ]

@@ -243,6 +243,9 @@ def _local_agent(agent: Agent, frame: PlanningFrame) -> Agent:
         ),
         clearance=share(agent.clearance, frame.length),
         goal_places=_local_places(agent.goal_places, frame),
+        start_velocity=None
+        if agent.start_velocity is None
+        else frame.local_velocity(agent.start_velocity),
     )
 
 

@@ -45,7 +45,9 @@ class Agent:
     """One agent. Lengths in m, times in s, mass in kg.
 
     `visits` has one entry a waypoint, or none at all where no waypoint asks for anything. With a
-    `max_acceleration` (m/s^2) the agent starts and ends at rest; `max_speed` is in m/s.
+    `max_acceleration` (m/s^2) the agent starts and ends at rest; `max_speed` is in m/s. With a
+    `start_velocity` (m/s) it starts in motion: its first segment has just that velocity, or one that
+    `max_acceleration` lets it reach from there.
     `clearance` (m) is wished for beyond the radius.
     `path`, where given, is the whole world line ((x, y, t), ...): the motion is prescribed, and
     `start`, `goal`, `start_time` and `max_time` repeat its ends. With `goal_places` the agent ends anywhere
@@ -69,6 +71,12 @@ class Agent:
     visits: tuple[Visit, ...] = ()
     clearance: float = added(0.0)
     goal_places: tuple[Place, ...] = added(())
+    start_velocity: tuple[float, float] | None = added(None)
+
+    @property
+    def starts_as_given(self) -> bool:
+        """Whether its first segment has just the `start_velocity`."""
+        return self.start_velocity is not None and self.max_acceleration is None
 
 
 @dataclass(frozen=True)

@@ -110,6 +110,9 @@ def _fixed(count: int, form: str) -> BeforeValidator:
 
 
 Point = Annotated[list[Number], Field(min_length=2, max_length=2), _fixed(2, "a point [x, y] in m")]
+Velocity = Annotated[
+    list[Number], Field(min_length=2, max_length=2), _fixed(2, "a velocity [vx, vy] in m/s")
+]
 Knot = Annotated[
     list[Number], Field(min_length=3, max_length=3), _fixed(3, "a knot [x, y, t] in m and s")
 ]

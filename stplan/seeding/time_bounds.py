@@ -2,7 +2,8 @@
 
 The ways between an agent's stops are at least as long as the shortest ones that keep (slightly less than)
 its radius from the walls. At most `max_speed` it needs length over speed. At most `max_acceleration`,
-from rest to rest in time T, no segment is faster than a T / 2, so its way is no longer than a T^2 / 2.
+from speed v to rest in time T, no segment is faster than (v + a T) / 2, so its way is no longer than that for
+a time T.
 """
 
 from __future__ import annotations
@@ -67,7 +68,8 @@ def _late(agent: Agent, legs: FloatArray) -> Reason | None:
                 figures["waypoint"] = number
             return Reason("limits of time", (agent.id,), proven=True, figures=figures)
     limit, span = agent.max_acceleration, agent.max_time - agent.start_time
-    if limit is not None and length > 0.5 * limit * span**2 * (1.0 + ROUNDING):
+    first = 0.0 if agent.start_velocity is None else float(np.hypot(*agent.start_velocity))
+    if limit is not None and length > 0.5 * (first + limit * span) * span * (1.0 + ROUNDING):
         figures = {"latest": agent.max_time, "length": length, "acceleration": limit}
         return Reason("limit of acceleration", (agent.id,), proven=True, figures=figures)
     return None

@@ -155,3 +155,21 @@ def test_who_vanishes_before_is_not_met() -> None:
     )
     assert gone.holds
     assert gone.meetings[0].time <= 4.0
+
+
+def test_the_first_segment_has_the_velocity_at_the_start() -> None:
+    curve = [[0, 0, 0], [1, 0.5, 2], [8, 0, 10]]
+    assert check("start_velocity: [0.5, 0.25]", curve).holds
+    found = check("start_velocity: [0.5, 0.2501]", curve)
+    assert found.violations == (
+        "a: starts with velocity (0.5, 0.25) m/s, not with (0.5, 0.2501) m/s",
+    )
+
+
+def test_acceleration_from_motion() -> None:
+    """The velocity before the start counts as that at rest does: 0.5 m/s more within half a second."""
+    curve = even([1.0] * 8, np.arange(9.0).tolist())
+    found = check("max_acceleration: 8.0, start_velocity: [0.5, 0]", curve).limits[0]
+    assert (found.reached, found.time) == (2.0, 8.0)
+    found = check("max_acceleration: 8.0, start_velocity: [-0.5, 0]", curve).limits[0]
+    assert (found.reached, found.time) == (3.0, 0.0)

@@ -32,6 +32,7 @@ from stplan.scene.interactions import Interactions
 
 OFFSETS = np.array([0, 6, 12, 19])
 LAYOUT = KnotLayout.from_offsets(OFFSETS)
+VELOCITIES = np.array([[0.3, 0.1], [0.5, -0.4], [-0.2, 0.7]])
 RADII = np.array([0.02, 0.03, 0.04])
 CORNERS = np.array(
     [[-1, -1.2], [7, -1], [7.5, 3], [3, 2.9], [-1, 3.2], [2.9, 0.45], [3, 0.55], [3.2, 0.4]]
@@ -137,7 +138,13 @@ def samples() -> dict[str, dict[str, Callable[[], Term]]]:
         "acceleration limit": {
             str(one): partial(AccelerationLimit, LAYOUT, accelerations, one) for one in PROFILES
         },
-        "rest limit": {str(one): partial(RestLimit, LAYOUT, starts, one) for one in PROFILES},
+        "rest limit": {
+            f"{one}, {'from rest' if before is None else 'in motion'}": partial(
+                RestLimit, LAYOUT, starts, one, None, before
+            )
+            for one in PROFILES
+            for before in (None, VELOCITIES)
+        },
         "meeting": {
             str(one): partial(MeetingLimit, links, within, one, LAYOUT.num_knots)
             for one in PROFILES

@@ -12,6 +12,13 @@ BAD_NAME = "a name without white space and without any of ,;=\"'`[]{}\\ (not %s)
 FAULTS = [
     ("after_arrival: stayy", "", "agents[0].after_arrival", "did you mean 'stay'?"),
     ("weights: {kinetc: 1}", "", "agents[0].weights.kinetc", "did you mean 'kinetic'?"),
+    ("start_velocity: 3", "", "agents[0].start_velocity", "a velocity [vx, vy] in m/s is expected"),
+    (
+        "max_speed: 1, start_velocity: [0.8, 0.8]",
+        "",
+        "agents[0].start_velocity",
+        "is 1.131 m/s; no more than max_speed 1 m/s is expected",
+    ),
     ("waypoints: 3", "", "agents[0].waypoints", "a list"),
     ("waypoints: [[1]]", "", "agents[0].waypoints[0]", "expected"),
     ("waypoints: [[1, a]]", "", "agents[0].waypoints[0][1]", "a number is expected"),
@@ -48,8 +55,8 @@ FAULTS = [
         (
             "colour: red",
             "8:5: agents[0].colour: unknown key; start_time, max_time, preferred_time, radius, clearance, "
-            "mass, after_arrival, max_speed, max_acceleration, waypoints, weights, id, start, goal and "
-            "path are known",
+            "mass, after_arrival, max_speed, max_acceleration, start_velocity, waypoints, weights, id, "
+            "start, goal and path are known",
         ),
         (
             "radius: '0.3'",

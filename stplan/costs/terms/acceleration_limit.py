@@ -2,6 +2,7 @@
 
 v_i is the velocity of segment i, and the time is that between the middles of two segments. Before the first
 and after the last knot the agent is at rest, half a segment from the middle of that one: |v| / (dt / 2).
+One that starts in motion has its velocity v_0 before the first knot: |v - v_0| / (dt / 2).
 
 With u = v_2 - v_1 and g = 2 / (h_1 + h_2):  w = u g,  dg/dh = -g^2/2,  ddg = g^3/2,
 dw = g du + u dg,  ddw = g ddu + du dg^T + dg du^T + u ddg.
@@ -92,7 +93,7 @@ class AccelerationLimit(MotionLimit):
 
 @register(rank=100)
 class RestLimit(MotionLimit):
-    """From rest to the first segment's velocity and from the last one's to rest, m/s^2."""
+    """From rest, or motion, to the first segment's velocity and from the last one's to rest, m/s^2."""
 
     name = "rest limit"
 
@@ -102,8 +103,9 @@ class RestLimit(MotionLimit):
         limits: FloatArray,
         profile: Profile,
         weights: FloatArray | None = None,
+        velocities: FloatArray | None = None,
     ) -> None:
-        """`limits` (A,) in m/s^2, inf where an agent has none; `weights` (A,) of agents, 1 by default."""
+        """Like `AccelerationLimit`; `velocities` (A, 2) in m/s before the start, 0 by default."""
         chosen = np.flatnonzero(np.isfinite(limits))
         start = np.concatenate([layout.first[chosen], layout.last[chosen] - 1])
         super().__init__(
@@ -113,6 +115,10 @@ class RestLimit(MotionLimit):
             layout.num_knots,
             None if weights is None else np.tile(weights[chosen], 2),
         )
+        before = np.zeros((2 * len(chosen), 2))
+        if velocities is not None:
+            before[: len(chosen)] = velocities[chosen]
+        self._before = before
 
     @classmethod
     def build(cls, setup: TermSetup) -> RestLimit | None:
@@ -121,9 +127,27 @@ class RestLimit(MotionLimit):
         if not np.isfinite(limits).any():
             return None
         formulation = setup.formulation
-        return cls(formulation.layout, limits, limit_profile(setup), formulation.scales.barrier)
+        before = [agent.start_velocity or (0.0, 0.0) for agent in formulation.problem.scene.agents]
+        return cls(
+            formulation.layout, limits, limit_profile(setup), formulation.scales.barrier,
+            np.array(before),
+        )  # fmt: skip
 
     def vectors(self, local: FloatArray) -> Vectors:
         """Accelerations."""
         step = local[:, 1] - local[:, 0]
-        return power_vectors(step[:, :2], step[:, 2], 2.0, 2)
+        at_rest = power_vectors(step[:, :2], step[:, 2], 2.0, 2)
+        if not self._before.any():
+            return at_rest
+        # -2 v_0 / h:  by h 2 v_0 / h^2,  -4 v_0 / h^3.
+        time = step[:, 2, None]
+        first = np.zeros((len(step), 2, 3))
+        second = np.zeros((len(step), 2, 3, 3))
+        first[:, :, 2] = 2.0 * self._before / time**2
+        second[:, :, 2, 2] = -4.0 * self._before / time**3
+        moving = Vectors(-2.0 * self._before / time, *by_knots(first, second))
+        return Vectors(
+            at_rest.value + moving.value,
+            at_rest.first + moving.first,
+            at_rest.second + moving.second,
+        )

@@ -18,6 +18,7 @@ from stplan.schema.quantities import (
     Or,
     Point,
     Positive,
+    Velocity,
     Weight,
     expected,
 )
@@ -95,6 +96,10 @@ class SharedFields(FileModel):
     max_speed: Annotated[Positive | None, GIVEN] = key("never faster than this, m/s")
     max_acceleration: Annotated[Positive | None, GIVEN] = key(
         "velocity changes no faster than this, m/s^2; the agent starts and ends at rest"
+    )
+    start_velocity: Annotated[Velocity | None, GIVEN] = key(
+        "[vx, vy] in m/s at start_time: the first segment has it, or what max_acceleration allows from "
+        "there; default: any, at rest with a max_acceleration"
     )
     waypoints: Annotated[Annotated[list[Waypoint], Field(max_length=1000)] | None, GIVEN] = key(
         "points [x, y] in m, passed in this order at free times, or mappings with at, window, dwell"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from stplan.amounts import distinct
@@ -94,7 +95,7 @@ class _Merge:
             start_time, max_time = path[0][2], path[-1][2]
             waypoints: tuple[Point, ...] = ()
             visits: tuple[Visit, ...] = ()
-            max_speed = max_acceleration = None
+            max_speed = max_acceleration = start_velocity = None
             goal_places: tuple[Place, ...] = ()
         else:
             goal_places = self._goal_places()
@@ -107,6 +108,7 @@ class _Merge:
             visits = visits if any(visit != Visit() for visit in visits) else ()
             max_speed = self._value("max_speed", None)
             max_acceleration = self._value("max_acceleration", None)
+            start_velocity = self._start_velocity(max_speed)
             self._check_preferred_time(weights, start_time, max_time)
             self._check_visits(visits, start_time, max_time)
         return Agent(
@@ -127,6 +129,7 @@ class _Merge:
             visits=visits,
             clearance=self._value("clearance", 0.0),
             goal_places=goal_places,
+            start_velocity=start_velocity,
         )
 
     def _weights(self) -> Weights:
@@ -152,6 +155,19 @@ class _Merge:
         if not isinstance(goal, GoalPlaceFile):
             return ()
         return self._places.of_goal(goal, self._listed.place("goal"), self._faults, self._hints)
+
+    def _start_velocity(self, max_speed: float | None) -> tuple[float, float] | None:
+        value = self._value("start_velocity", None)
+        if value is None:
+            return None
+        velocity = _point(value)
+        speed = math.hypot(*velocity)
+        if max_speed is not None and speed > max_speed:
+            given, most = distinct(speed, max_speed)
+            self._fault(
+                "start_velocity", f"is {given} m/s; no more than max_speed {most} m/s is expected"
+            )
+        return velocity
 
     def _times(self, horizon: float | None) -> tuple[float, float]:
         start_time: float = self._value("start_time", 0.0)
@@ -223,7 +239,7 @@ class _Merge:
             given, last = distinct(own.max_time, path[-1][2])
             text = f"is {given} s, the path ends at {last} s; leave it out"
             self._faults.append((f"{here}.max_time", text))
-        for key in ("max_speed", "max_acceleration"):
+        for key in ("max_speed", "max_acceleration", "start_velocity"):
             if getattr(own, key) is not None:
                 text = "belongs to agents that find their way; the motion of one with a path is prescribed"
                 self._faults.append((f"{here}.{key}", text))

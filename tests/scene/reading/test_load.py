@@ -57,6 +57,7 @@ def test_defaults():
         "path": None,
         "max_speed": None,
         "max_acceleration": None,
+        "start_velocity": None,
         "visits": (),
         "clearance": 0.0,
         "goal_places": (),
