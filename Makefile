@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 DEMO := scenes/bottleneck/bottleneck.yaml
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test claims check bench gallery docs page format clean
+.PHONY: help demo test claims check bench gallery docs package page format clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -42,6 +42,9 @@ gallery: $(VENV)/.installed-dev ## plan and draw every scene: docs/gallery and t
 docs: $(VENV)/.installed-dev ## build the site of the documentation into build/site; warnings are errors
 	$(BIN)/python -m sphinx -W --keep-going -q -c docs/site -d build/doctrees docs build/site
 	@echo "Open build/site/index.html"
+
+package: $(VENV)/.installed-dev ## build the wheel, and try it in an empty environment without the sources
+	$(BIN)/python .ci/package.py
 
 page: ## build the page of `stplan view` from its sources; needs node and npm
 	cd stplan/viewing/page && npm ci --silent && npm run --silent build

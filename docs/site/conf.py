@@ -22,7 +22,7 @@ extensions = [
     "generated",
 ]
 root_doc = "index"
-exclude_patterns = ["site/static/**", "samples/**"]
+exclude_patterns = ["site/static/**", "samples/**", "paper/**"]
 
 myst_heading_anchors = 4
 myst_enable_extensions = ["colon_fence"]

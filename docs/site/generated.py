@@ -89,7 +89,7 @@ def _takes(value: dict[str, Any]) -> str:
 
 
 def _code(value: Any) -> str:
-    if isinstance(value, dict | list) and not value:
+    if isinstance(value, dict | list | str) and not value:
         return ""
     if isinstance(value, dict):
         return "see there"
