@@ -21,7 +21,7 @@ from stplan.files.manifest import KEY, manifest, why_incomplete
 from stplan.files.npz_file import read_npz
 from stplan.files.recorded import REPORT, RUN_RECORD
 from stplan.files.trajectories import curve_files, read_trajectories
-from stplan.improvement.budget import ImprovementBudget
+from stplan.improvement.budget import ImprovementBudget, require_energy
 from stplan.improvement.search import Improvement, Progress, Stop
 from stplan.improvement.search import improve as improve_lines
 from stplan.optimize.continuation import LiveLine
@@ -75,9 +75,11 @@ def read_run(folder: Path, scene: Scene) -> FinishedRun:
     """The run in `folder`, which is one of `scene`.
 
     Raises:
-        UsageError: it is damaged, of another state of the scene, or does not hold its certificate.
+        UsageError: it is damaged, of another state of the scene, or does not hold its certificate; or the
+            scene minimises arrivals.
         SceneError: the scene does not fit its map, or not into memory.
     """
+    require_energy(scene)
     why = why_incomplete(folder)
     if why:
         raise UsageError(f"{folder} is not the whole of one run: {why}")

@@ -128,6 +128,9 @@ def _best_seeds(problem: PlanningProblem, progress: Progress) -> Contest:
     portfolio = prepare_portfolio(problem)
     effort = EFFORTS[scene.solver.effort]
     budget = Budget(settings.rng_seed, working_time() + settings.time_limit, progress)
+    if scene.minimise != "energy":
+        # What competing seeds cost says nothing of arrivals.
+        return Contest((portfolio.find(budget),), 1)
     if portfolio.rivals and scene.solver.starts is None and effort.starts_share > 0.0:
         most = max(1, min(effort.finalists, AGENTS_A_FINALIST // problem.num_agents))
         first = portfolio.first_clear(budget)

@@ -11,13 +11,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from stplan.analysis.arrival_gap import arrival_gap
 from stplan.analysis.cost_bound import bound_with, cost_bound
 from stplan.analysis.metrics import metrics
 from stplan.certify.certificate import Certificate, certify
 from stplan.clock import Clock
 from stplan.compiled import compiled_before
-from stplan.errors import BrokenSeedError, StoppedError
+from stplan.errors import BrokenSeedError, SeedingError, StoppedError
 from stplan.geometry.rod_distances import segment_distances
+from stplan.hastening import hasten, with_ample_horizon
 from stplan.improvement.budget import ImprovementBudget
 from stplan.multistart import best_seeds, own_cost
 from stplan.nlp.ipopt.adapter import require_options
@@ -27,9 +29,9 @@ from stplan.optimize.restoration import restore
 from stplan.optimize.whole import optimise_whole
 from stplan.planned import Plan, plan_files, write_plan
 from stplan.problem import planning_problem
-from stplan.problem.ends import ending_as, fixed_at
+from stplan.problem.ends import ending_as, fixed_at, lasting_as
 from stplan.problem.metric import sharpened, with_metric
-from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.planning_problem import PlanningProblem, at_horizon
 from stplan.problem.world_lines import WorldLines
 from stplan.report import (
     OptimisationReport,
@@ -58,6 +60,9 @@ __all__ = [
     "seed",
     "write_plan",
 ]
+
+# Horizons that are open become so many times as long where nothing is found within them.
+MORE_TIME = (3.0,)
 
 Progress = Callable[[str], None]
 Stop = Callable[[], bool]
@@ -103,7 +108,7 @@ def plan(
     clock = Clock()
     with clock.stage("world"):
         problem = prepare(scene, progress)
-    rivals = find_initial_curves(problem, most=None, progress=progress, stop=stop, clock=clock)
+    problem, rivals = _begun(problem, progress=progress, stop=stop, clock=clock)
     stop()  # The answer is heeded below; who is asked knows that from here on a plan is certain.
     plans: list[Plan] = []
     for number, initial in enumerate(rivals, start=1):
@@ -118,13 +123,20 @@ def plan(
         with clock.stage("optimise"):
             lines = initial.seed.world_lines
             sharp = sharpened(problem, lines)
-            optimised = optimise_whole(sharp, lines, progress=progress, live=live, stop=stop)
+            if scene.minimise == "energy":
+                optimised = optimise_whole(sharp, lines, progress=progress, live=live, stop=stop)
+            else:
+                optimised = hasten(sharp, lines, progress=progress, live=live, stop=stop)
         plans.append(_planned(sharp, initial, optimised, clock))
     best = _cheapest(plans)
     with clock.stage("bound"):
-        bound = cost_bound(problem, best.trajectories or best.seed)
-    run = RunRecord.of(clock, best.run.optimisation)
-    return replace(best, report=replace(best.report, bound=bound), run=run)
+        lines = best.trajectories or best.seed
+        if scene.minimise == "energy":
+            content = replace(best.report, bound=cost_bound(problem, lines))
+        else:
+            content = replace(best.report, arrivals=arrival_gap(problem, lines))
+            content = replace(content, scene=lasting_as(content.scene, lines))
+    return replace(best, report=content, run=RunRecord.of(clock, best.run.optimisation))
 
 
 def improve(
@@ -198,6 +210,7 @@ def check(scene: Scene, lines: WorldLines, *, progress: Progress | None = None) 
 
     What the user has to know about the map is said through `progress`. Raises SceneError for a bad map.
     """
+    scene = lasting_as(scene, lines)
     if scene.map is None:
         return certify(scene, None, lines)
     from stplan.world import build_free_space
@@ -225,6 +238,8 @@ def prepare(scene: Scene, progress: Progress | None = None) -> PlanningProblem:
         from stplan.seeding.assignment import settle_goals
 
         problem = settle_goals(problem)
+    if scene.horizon_rule == "auto":
+        problem = with_ample_horizon(problem)
     return with_metric(problem)
 
 
@@ -285,6 +300,21 @@ def find_initial_curves(
     if not found:
         raise BrokenSeedError(violations)
     return found
+
+
+def _begun(
+    problem: PlanningProblem, *, progress: Progress, stop: Stop, clock: Clock
+) -> tuple[PlanningProblem, list[InitialCurves]]:
+    """Initial curves; where the horizon is open, with more time if there are none. Raises likewise."""
+    horizon = problem.written.scene.horizon
+    for more in MORE_TIME if problem.scene.horizon_rule == "auto" else ():
+        try:
+            return problem, find_initial_curves(problem, progress=progress, stop=stop, clock=clock)
+        except SeedingError:
+            progress(f"no initial curves within {problem.written.scene.horizon:.4g} s")
+            problem = at_horizon(problem, more * horizon)
+    curves = find_initial_curves(problem, most=None, progress=progress, stop=stop, clock=clock)
+    return problem, curves
 
 
 def _rival(

@@ -10,6 +10,7 @@ from platform import node, python_version
 from platform import platform as platform_name
 from typing import TYPE_CHECKING, Any
 
+from stplan.analysis.arrival_gap import ArrivalGap
 from stplan.analysis.cost_bound import CostBound
 from stplan.analysis.metrics import Metrics, metrics
 from stplan.certify.certificate import Certificate
@@ -115,6 +116,7 @@ class Report:
         improvement: None where none was asked for.
         bound: what the trajectories cost, and any others at least; None where only a seed was asked for.
         notes: what the user has to know about the map.
+        arrivals: how fast the plan is; None where its cost was to be least.
     """
 
     scene: Scene
@@ -127,6 +129,7 @@ class Report:
     improvement: ImprovementRecord | None = None
     bound: CostBound | None = None
     notes: tuple[str, ...] = ()
+    arrivals: ArrivalGap | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """For report.json."""
@@ -142,6 +145,7 @@ class Report:
                 # A run is checked later against the scene as it was planned.
                 "overrides": list(scene.overrides),
                 **({"time_scale": scene.time_scale} if scene.metric == "chosen" else {}),
+                **({"horizon": scene.horizon} if scene.horizon_rule == "chosen" else {}),
             },
             "versions": versions(),
             "certificate": self.certificate.as_dict(),
@@ -156,6 +160,8 @@ class Report:
             content["rivals"] = [asdict(one) for one in self.rivals]
         if self.bound is not None:
             content["bound"] = self.bound.as_dict()
+        if self.arrivals is not None:
+            content["arrivals"] = self.arrivals.as_dict()
         if self.improvement is not None:
             content["improvement"] = self.improvement.as_dict()
         return content

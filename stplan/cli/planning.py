@@ -94,7 +94,7 @@ def _plan_scenes(
     records: list[Record] = [
         {"scene": str(path), "exit_status": 0, "status": "not planned"} for path in paths
     ]
-    for scene, record in _readable(console, paths, overrides, records):
+    for scene, record in _readable(console, paths, overrides, records, improved=budget is not None):
         prefix = f"{scene.name}: " if len(paths) > 1 else ""
         try:
             _plan_one(
@@ -116,13 +116,22 @@ def _plan_scenes(
 
 
 def _readable(
-    console: Console, paths: Sequence[Path], overrides: Sequence[str], records: Sequence[Record]
+    console: Console,
+    paths: Sequence[Path],
+    overrides: Sequence[str],
+    records: Sequence[Record],
+    *,
+    improved: bool,
 ) -> list[tuple[Scene, Record]]:
     """The scenes to be planned, each with its record; what is wrong with the others is said and noted."""
     scenes: dict[str, tuple[Scene, Record]] = {}
     for path, record in zip(paths, records, strict=True):
         try:
             scene = read_scene(path, overrides)
+            if improved:
+                from stplan.improvement.budget import require_energy
+
+                require_energy(scene)
             if scene.name in scenes:
                 other = scenes[scene.name][1]["scene"]
                 raise UsageError(
@@ -204,6 +213,8 @@ def _plan_lines(plan: Plan, files: list[Path], verbose: bool) -> list[str]:
     lines.append("  " + ", ".join(figures))
     if plan.report.bound is not None:
         lines.append(f"  {plan.report.bound.sentence}")
+    if plan.report.arrivals is not None:
+        lines.append(f"  {plan.report.arrivals.sentence}")
     if verbose:
         lines += [_agent_line(agent) for agent in metrics.agents]
         spent = ", ".join(f"{name} {amount:.2f} s" for name, amount in plan.run.seconds.items())

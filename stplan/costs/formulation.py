@@ -31,6 +31,7 @@ class Scales:
             derivatives.
         pair_reach: (A, A) m, clearance at which repulsion starts.
         wall_reach: (A,) m.
+        span: from the earliest start to the latest arrival, s.
     """
 
     energy: float
@@ -43,6 +44,7 @@ class Scales:
     stiffness: FloatArray
     pair_reach: FloatArray
     wall_reach: FloatArray
+    span: float
 
     @property
     def pair_barrier(self) -> FloatArray:

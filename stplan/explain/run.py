@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from stplan.analysis.arrival_gap import arrival_gap
 from stplan.analysis.cost_bound import cost_bound
 from stplan.analysis.crowd import Crowd
 from stplan.analysis.detours import ways_alone
 from stplan.certify.certificate import Certificate, certify
+from stplan.explain.arrivals import arrival_section
 from stplan.explain.costs import cost_section
 from stplan.explain.curves import curve_sections
 from stplan.explain.explanation import Explanation, Fact, Section
@@ -60,7 +62,10 @@ def explain_run(
         sections += curve_sections(crowd, certificate, ways_alone(problem))
     if certificate.holds:
         ordered = _in_scene_order(problem, lines)
-        sections.append(cost_section(cost_bound(problem.in_frame, ordered)))
+        if scene.minimise == "energy":
+            sections.append(cost_section(cost_bound(problem.in_frame, ordered)))
+        else:
+            sections.append(arrival_section(arrival_gap(problem.in_frame, ordered)))
     return Explanation(headline, tuple(sections)), certificate
 
 

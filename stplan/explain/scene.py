@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from stplan.amounts import amount, distinct
+from stplan.analysis.arrival_gap import arrival_gap
 from stplan.analysis.cost_bound import cost_bound
 from stplan.analysis.crowd import Crowd
 from stplan.analysis.detours import ways_alone
@@ -16,6 +17,7 @@ from stplan.analysis.passages import WIDE, Passage, passages
 from stplan.arrays import FloatArray
 from stplan.certify.places import distance_outside
 from stplan.errors import BROKEN_SEED, BrokenSeedError, SeedingError
+from stplan.explain.arrivals import arrival_section
 from stplan.explain.costs import cost_section
 from stplan.explain.curves import curve_sections
 from stplan.explain.explanation import Explanation, Fact, Section
@@ -58,7 +60,10 @@ def explain_scene(
     sections.append(Section("seeding", "Initial curves", lead))
     crowd = Crowd.of_problem(seen, initial.world_lines)
     sections += curve_sections(crowd, initial.certificate, alone)
-    sections.append(cost_section(cost_bound(problem, initial.world_lines)))
+    if scene.minimise == "energy":
+        sections.append(cost_section(cost_bound(problem, initial.world_lines)))
+    else:
+        sections.append(arrival_section(arrival_gap(problem, initial.world_lines)))
     return Explanation(f"{scene.name}: a valid scene.", tuple(sections)), True
 
 
@@ -106,11 +111,20 @@ def population(problem: PlanningProblem) -> Section:
         facts.append(f"{ignoring} of {count(problem.num_agents, 'agent')} ignore the walls")
     lead = (
         f"{count(problem.num_agents, 'agent')} {_span('of radius', problem.radii, 'm')} and "
-        f"{_span('mass', problem.masses, 'kg')}, within {problem.final_time:g} s"
+        f"{_span('mass', problem.masses, 'kg')}, {_goals_in_time(problem)}"
     )
     return Section(
         "population", "The scene", f"{lead}:" if facts else f"{lead}.", [*map(Fact, facts)]
     )
+
+
+def _goals_in_time(problem: PlanningProblem) -> str:
+    """How much time there is, and what it is to be used for."""
+    scene = problem.scene
+    asked = {"arrivals": "the sum of arrival times", "makespan": "the latest arrival"}
+    within = "" if scene.horizon_rule == "auto" else f"within {problem.final_time:g} s"
+    early = f"{asked[scene.minimise]} to be least" if scene.minimise in asked else ""
+    return ", ".join(part for part in (within, early) if part)
 
 
 def _destinations(scene: Scene) -> list[str]:

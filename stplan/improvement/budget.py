@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from stplan.errors import UsageError
+from stplan.scene.model import Scene
 
 
 @dataclass(frozen=True)
@@ -43,3 +44,15 @@ class ImprovementBudget:
     def __str__(self) -> str:
         """As `parse` reads it."""
         return f"{self.moves:g}" if math.isfinite(self.moves) else f"{self.seconds:g}s"
+
+
+def require_energy(scene: Scene) -> None:
+    """Improvement compares costs of plans.
+
+    Raises:
+        UsageError: these are not what is to be least in `scene`.
+    """
+    if scene.minimise != "energy":
+        raise UsageError(
+            f"{scene.name} minimises {scene.minimise}; only plans that minimise energy are improved"
+        )

@@ -58,7 +58,7 @@ class Judge:
         scales, scene = formulation.scales, formulation.problem.scene
         self._solver = scene.solver
         self._layout = formulation.layout
-        self._payments = Payments(formulation.problem, formulation.layout)
+        self._payments = Payments(formulation.problem, formulation.layout, scales.span)
         self._own_scale = scales.own
         # What the regularity term costs at its best: no part of the objective worth converging.
         self._floor = float((scales.regularity * formulation.layout.num_segments).sum())

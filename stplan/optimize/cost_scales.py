@@ -61,6 +61,8 @@ class CostScales:
             "reference_segments": REFERENCE_SEGMENTS,
             "regularity": dict(zip(ids, regularity, strict=True)),
         }
+        if formulation.problem.scene.minimise != "energy":
+            content["arrival_span"] = frame.time * scales.span
         if formulation.smooth_minimum is not None:
             content["alpha_0"] = formulation.smooth_minimum.alpha_0 / frame.length
         if formulation.problem.interactions.grouping.any():

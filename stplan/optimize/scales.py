@@ -16,6 +16,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray
 from stplan.costs.formulation import Scales
+from stplan.costs.terms.haste import arrival_span
 from stplan.costs.terms.kinetic import Kinetic
 from stplan.optimize.payments import Payments
 from stplan.problem.layout import KnotLayout
@@ -38,7 +39,8 @@ def derive_scales(problem: PlanningProblem, layout: KnotLayout, knots: FloatArra
     masses, radii = problem.masses, problem.radii
     weights = np.array([agent.weights.kinetic for agent in scene.agents])
     moving = Kinetic(layout, np.ones_like(weights), masses).per_agent(knots)
-    paid = Payments(problem, layout).paid(knots)
+    span = arrival_span(problem, knots[layout.last, 2])
+    paid = Payments(problem, layout, span).paid(knots)
     own = np.maximum(weights * moving, LEAST_SHARE * paid)
     movers = ~problem.prescribed
     energy = float(own[movers].mean()) if own[movers].any() else 1.0
@@ -69,4 +71,5 @@ def derive_scales(problem: PlanningProblem, layout: KnotLayout, knots: FloatArra
         wall_reach=RANGE_SHARE * 2 * radii
         if barrier_range is None
         else np.full_like(radii, barrier_range),
+        span=span,
     )

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from stplan.scene.horizon import least_duration
 from stplan.scene.model import Agent, Scene
 
 # Limits are kept with so much to spare: barriers keep curves off them.
@@ -64,17 +65,3 @@ def hurried(scene: Scene) -> Scene | None:
         agent if agent.path is not None else replace(agent, max_time=last) for agent in scene.agents
     )
     return replace(scene, horizon=last, agents=agents)
-
-
-def least_duration(agent: Agent, length: float) -> float:
-    """How long a way of `length` m takes at least within the limits of `agent`, dwells included, s."""
-    speed, rate = agent.max_speed, agent.max_acceleration
-    moving = 0.0
-    if speed is not None:
-        moving = length / speed
-    if rate is not None:
-        # From rest to rest: speeding up all the way to its middle, or up to the speed that is allowed.
-        moving = max(moving, 2.0 * np.sqrt(length / rate))
-        if speed is not None and length * rate > speed**2:
-            moving = length / speed + speed / rate
-    return float(moving + sum(visit.dwell for visit in agent.visits))

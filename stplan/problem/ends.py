@@ -1,18 +1,20 @@
-"""Scenes whose goals are where given curves end: of agents that end in places, or on assigned points."""
+"""Scenes that leave ends open, as given curves end: in places, on assigned points, as late as need be."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 from stplan.problem.world_lines import WorldLines
+from stplan.scene.horizon import with_chosen_horizon
 from stplan.scene.model import Agent, Scene
 
 
 def ending_as(scene: Scene, lines: WorldLines) -> Scene:
     """`scene` with the ends of `lines` (in any order) as goals of those who may end in several points.
 
-    Their places stay what they are.
+    Their places stay what they are. A horizon that is open ends with the latest arrival.
     """
+    scene = lasting_as(scene, lines)
     assigned = {a for assignment in scene.assignments for a in assignment.members}
     free = [a for a, agent in enumerate(scene.agents) if agent.goal_places or a in assigned]
     if not free:
@@ -24,6 +26,13 @@ def ending_as(scene: Scene, lines: WorldLines) -> Scene:
         if curve is not None and len(curve):
             agents[a] = replace(agents[a], goal=(float(curve[-1, 0]), float(curve[-1, 1])))
     return replace(scene, agents=tuple(agents))
+
+
+def lasting_as(scene: Scene, lines: WorldLines) -> Scene:
+    """`scene` until the latest arrival of `lines`, where its horizon is open."""
+    if scene.horizon_rule != "auto" or not len(lines.knots):
+        return scene
+    return with_chosen_horizon(scene, float(lines.knots[:, 2].max()))
 
 
 def fixed_at(scene: Scene, lines: WorldLines) -> Scene:

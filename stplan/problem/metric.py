@@ -22,6 +22,8 @@ from stplan.scene.model import Scene
 # c over the median speed that agents need, where nobody has to go around walls, and elsewhere: there
 # agents hurry and wait, some five times as fast as they would have to.
 OPEN_SHARE, WALLED_SHARE = 4.0, 16.0
+# c over the median top speed, where arrivals are to be early: a follower keeps a thirtieth more than R.
+HASTE_SHARE = 4.0
 # c over the speed that most segments of a seed stay below.
 SEED_SHARE, SEGMENTS_BELOW = 3.0, 0.95
 # c for the seed's sake is at most so many times what it was.
@@ -40,12 +42,17 @@ def with_metric(problem: PlanningProblem) -> PlanningProblem:
     # Friends are drawn together in space-time: what that costs depends on the metric.
     if problem.interactions.grouping.any():
         return _fixed_apart(_at(problem, problem.time_scale))
+    if problem.scene.minimise != "energy":
+        return _fixed_apart(_at(problem, HASTE_SHARE * _top_speed(problem)))
     return _fixed_apart(_at(problem, _needed(problem)))
 
 
 def sharpened(problem: PlanningProblem, lines: WorldLines) -> PlanningProblem:
     """The problem with the metric for optimising clear `lines`; as it is where a scene states its own."""
     if problem.scene.metric == "stated" or problem.interactions.grouping.any():
+        return problem
+    if problem.scene.minimise != "energy":
+        # What is planned is as fast as may be, whatever its seed is.
         return problem
     steps = [
         np.diff(curve, axis=0)
@@ -72,6 +79,12 @@ def _needed(problem: PlanningProblem) -> float:
     speed = float(np.median(lengths[moving] / available[moving]))
     bent = bool((lengths > (1.0 + BENT) * straight)[moving].any())
     return (WALLED_SHARE if bent else OPEN_SHARE) * speed
+
+
+def _top_speed(problem: PlanningProblem) -> float:
+    """The median of the agents' top speeds; c as it is where nobody has one."""
+    limits = [agent.max_speed for agent in problem.scene.agents if agent.max_speed is not None]
+    return float(np.median(limits)) if limits else problem.time_scale
 
 
 def _fixed_apart(problem: PlanningProblem) -> PlanningProblem:

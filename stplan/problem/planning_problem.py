@@ -7,7 +7,7 @@ scene is planned. Arrays are over the A agents in scene order.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -19,6 +19,7 @@ from stplan.memory import require_memory
 from stplan.problem.arrivals import free_arrival
 from stplan.problem.planning_frame import PlanningFrame
 from stplan.problem.written_scene import WrittenScene
+from stplan.scene.horizon import with_horizon
 from stplan.scene.interactions import Interactions, Meeting, scene_interactions, scene_meetings
 from stplan.scene.model import Scene
 from stplan.scene.presence import present_until
@@ -195,6 +196,20 @@ def prepare_local(scene: Scene) -> PlanningProblem:
     """The problem of `scene` in the frame that suits it: to be planned. Raises like `prepare`."""
     written = WrittenScene.framed(scene, _fitted(scene))
     return PlanningProblem.from_scene(written.local_scene, written.local_space, written)
+
+
+def at_horizon(problem: PlanningProblem, horizon: float) -> PlanningProblem:
+    """`problem` with another `horizon`, in the user's time."""
+    written = problem.written
+    local = float(written.frame.local_times(np.array([horizon]))[0])
+    scene = with_horizon(problem.scene, local)
+    return replace(
+        problem,
+        scene=scene,
+        written=replace(written, scene=with_horizon(written.scene, horizon)),
+        max_times=np.array([agent.max_time for agent in scene.agents], dtype=np.float64),
+        preferred_times=np.array([free_arrival(agent) for agent in scene.agents]),
+    )
 
 
 def _fitted(scene: Scene) -> FreeSpace | None:

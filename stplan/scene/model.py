@@ -17,6 +17,8 @@ from stplan.schema.hashing import added
 
 # How initial curves may be found: by one seeder, or by the portfolio of them.
 SeedingMethod = Literal["auto", "dijkstra", "search", "relaxation"]
+# What is to be least: the energy of the motion (with all other costs), the sum of arrival times, the latest.
+Objective = Literal["energy", "arrivals", "makespan"]
 
 
 @dataclass(frozen=True)
@@ -156,6 +158,8 @@ class Scene:
         agent_paths: where every agent stands in the file, ``agents[2]`` where left out.
         places: parts of the plane that have names.
         assignments: groups of agents of which everybody ends on one of some points.
+        minimise: what is to be least.
+        horizon_rule: whether `horizon` is stated, yet to be chosen (and ample until then), or was chosen.
     """
 
     name: str
@@ -177,6 +181,8 @@ class Scene:
     turning: float | None = added(None)
     places: tuple[Place, ...] = added(())
     assignments: tuple[Assignment, ...] = added(())
+    minimise: Literal["energy", "arrivals", "makespan"] = added("energy")
+    horizon_rule: Literal["stated", "auto", "chosen"] = added("stated")
 
     def agent_path(self, agent: int) -> str:
         """Where an agent stands in the file."""

@@ -40,6 +40,7 @@ from stplan.seeding.search.mending import Mending
 from stplan.seeding.search.schedule import MOST_EFFORT, SOON_EFFORT, Search
 from stplan.seeding.search.sequential_dijkstra import SequentialDijkstra
 from stplan.seeding.seeder import Budget, Progress, SeedAttempt, Seeder, SeedRecord
+from stplan.seeding.shortcutting.compression import arriving_as, compressed
 from stplan.seeding.shortcutting.shortcuts import prepare_seed, resample
 from stplan.seeding.time_bounds import out_of_time
 
@@ -193,20 +194,22 @@ class Portfolio:
         if not settings.shortcuts:
             return resample(self.problem, found.curves, self.problem.scene.solver.knots)
         budget = replace(budget, deadline=budget.deadline + PREPARATION_TIME * settings.time_limit)
-        curves = found.curves
-        if settings.method != SequentialDijkstra.name and found.found_by != Relaxation.name:
+        curves, problem = found.curves, self.problem
+        hasty = problem.scene.minimise != "energy"
+        if hasty:
+            problem = arriving_as(problem, curves)
+        elif settings.method != SequentialDijkstra.name and found.found_by != Relaxation.name:
             curves = tighten(
-                self.problem, curves, self.required,
-                rng_seed=budget.rng_seed, stopped=budget.spent,
-            )  # fmt: skip
+                problem, curves, self.required, rng_seed=budget.rng_seed, stopped=budget.spent
+            )
         curves = prepare_seed(
-            self.problem, curves, self.required,
-            num_knots=self.problem.scene.solver.knots, rng_seed=budget.rng_seed,
+            problem, curves, self.required,
+            num_knots=problem.scene.solver.knots, rng_seed=budget.rng_seed,
             stopped=budget.spent,
         )  # fmt: skip
         if budget.spent():
             raise SeedingError([Reason("unprepared", figures={"limit": self._time_limit})])
-        return curves
+        return compressed(problem, curves) if hasty else curves
 
 
 def find_seed(

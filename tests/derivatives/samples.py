@@ -18,6 +18,7 @@ from stplan.costs.terms.arrival import Arrival
 from stplan.costs.terms.clearance_wish import PairClearance, WallClearance
 from stplan.costs.terms.collision import Collision
 from stplan.costs.terms.grouping import Grouping
+from stplan.costs.terms.haste import Haste
 from stplan.costs.terms.kinetic import Kinetic
 from stplan.costs.terms.meeting import MeetingLimit
 from stplan.costs.terms.regularity import Regularity
@@ -131,6 +132,12 @@ def samples() -> dict[str, dict[str, Callable[[], Term]]]:
         "kinetic": {"": lambda: Kinetic(LAYOUT, WEIGHTS, np.array([1.0, 5.0, 2.0]))},
         "acceleration": {"": lambda: Acceleration(LAYOUT, np.array([2.0, 0.0, 0.7]), 1.7)},
         "arrival": {"": lambda: Arrival(LAYOUT, WEIGHTS, np.array([3.0, 4.0, 9.0]))},
+        "haste": {
+            f"power {power:g}": partial(
+                Haste, LAYOUT, WEIGHTS, np.array([0.5, 1.0, -0.3]), 6.5, power
+            )
+            for power in (3.0, 8.0)
+        },
         "regularity": {"": lambda: Regularity(LAYOUT, WEIGHTS, np.array([0.1, 0.2, 0.0]))},
         "grouping": {"": lambda: Grouping(sample_knots(), RODS, sample_interactions(), 3.0)},
         "timing": {"": _timing},

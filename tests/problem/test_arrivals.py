@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stplan.problem.arrivals import free_arrival, hurried, least_duration
+from stplan.problem.arrivals import free_arrival, hurried
 from stplan.scene import parse_scene
+from stplan.scene.horizon import least_duration
 from stplan.scene.model import Agent, Scene
 
 SCENE = """

@@ -27,7 +27,8 @@ BARE = {
     },
     Scene: {
         "name", "description", "source", "content_hash", "seeding", "locations", "overridden",
-        "overrides", "agent_paths", "places", "assignments", "metric", "turning",
+        "overrides", "agent_paths", "places", "assignments", "metric", "turning", "minimise",
+        "horizon_rule",
     },
 }  # fmt: skip
 EVERYTHING = (

@@ -13,7 +13,7 @@ from pydantic import Field
 from stplan.maps.registry import MapFile
 from stplan.scene.format.agents import MOST_AGENTS, AgentEntry, SharedFields
 from stplan.scene.format.places import MOST_PLACES, PlaceFile
-from stplan.scene.model import SeedingMethod, SeedingSettings, SolverSettings
+from stplan.scene.model import Objective, SeedingMethod, SeedingSettings, SolverSettings
 from stplan.schema.mapping import GIVEN as _GIVEN
 from stplan.schema.mapping import FileModel as _Model
 from stplan.schema.mapping import key as _key
@@ -191,9 +191,15 @@ class SceneFile(_Model):
     places: Annotated[dict[Identifier, PlaceFile], Field(max_length=MOST_PLACES)] = Field(
         {}, description="parts of the plane by name, for starts and goals of agents"
     )
-    horizon: Annotated[Positive | None, _GIVEN] = _key(
+    minimise: Objective = Field(
+        "energy",
+        description="what is to be least: energy (with all other costs), the sum of arrival times, "
+        "or the makespan, when the last agent arrives; the latter two need max_speed",
+    )
+    horizon: Annotated[float | Literal["auto"] | None, Or(Positive, "auto"), _GIVEN] = _key(
         "T^max of agents without max_time, and how long agents stay, s; "
-        "may be left out where every agent has a max_time or a path"
+        "may be left out where every agent has a max_time or a path; "
+        "auto, where arrivals or makespan are minimised: as long as it takes"
     )
     time_scale: Annotated[float | Literal["auto"], Or(Positive, "auto")] = Field(
         "auto",

@@ -31,6 +31,7 @@ from stplan.scene.presets import PRESETS
 from stplan.scene.reading.crowds import assigned_points
 from stplan.scene.reading.draws import with_drawn_starts
 from stplan.scene.reading.faults import Hints
+from stplan.scene.reading.haste import haste_faults, latest_time, with_long_horizon
 from stplan.scene.reading.merge import merged_agent
 from stplan.scene.reading.overlaps import overlap_faults
 from stplan.scene.reading.pair_rules import Placed, group_rules, meeting_faults, pair_rules
@@ -54,7 +55,7 @@ class Parts:
     groups: list[GroupFile | None]
     pairs: list[PairFile | None]
     defaults: SharedFields | None
-    horizon: float | None
+    horizon: float | str | None
     map: MapFile | None
     places: Mapping[str, PlaceFile] | None
     rng_seed: int
@@ -169,7 +170,9 @@ def compile_scene(
         map=map_spec,
         horizon=max((agent.max_time for agent in agents), default=1.0)
         if file.horizon is None
-        else file.horizon,
+        else latest_time(file.horizon) or 1.0,
+        horizon_rule="auto" if file.horizon == "auto" else "stated",
+        minimise=file.minimise,
         time_scale=1.0 if time_scale == "auto" else time_scale,
         metric="auto" if time_scale == "auto" else "stated",
         agents=tuple(agents),
@@ -182,6 +185,8 @@ def compile_scene(
         places=tuple(places.known.values()),
         assignments=_assignments(parts, listed),
     )
+    scene = with_long_horizon(scene)
+    faults += haste_faults(scene, file.defaults)
     # Places of agents that have faults themselves would only make followers of these.
     if not any(path.startswith(PLACED) for path, _ in faults):
         full: list[Fault] = []
@@ -291,8 +296,9 @@ def _agents(
     """The agents whose entries and defaults could be read."""
     if parts.defaults is None:
         return []
+    horizon = latest_time(parts.horizon)
     agents = [
-        merged_agent(parts.defaults, one.agent, one, parts.horizon, places, faults, hints)
+        merged_agent(parts.defaults, one.agent, one, horizon, places, faults, hints)
         for one in listed
         if one.agent is not None
     ]

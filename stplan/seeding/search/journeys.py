@@ -16,6 +16,8 @@ LEAST_LAYERS = 16
 # Agents that queue at one place need more layers than the way is long: one by one they pass.
 LAYERS_IN_QUEUE = 10
 SHORT_QUEUE = 4
+# Where arrivals are to be early, this part of the moves are no longer than a layer at top speed.
+MOST_MOVES = 0.9
 
 
 class Journeys:
@@ -89,6 +91,20 @@ def automatic_layers(problem: PlanningProblem, graph: Graph, journeys: Journeys)
     queue = busiest_place(problem, graph, journeys)
     longest = max(LEAST_LAYERS, math.ceil(float(needed.max(initial=0.0))))
     return longest + LAYERS_IN_QUEUE * max(queue - SHORT_QUEUE, 0)
+
+
+def hasty_layers(problem: PlanningProblem, graph: Graph) -> int:
+    """As many as make most moves of a layer as fast as the slowest agent may be, so that arrivals are early.
+
+    The few that are longer are shortened or slowed down afterwards.
+    """
+    span = float(problem.max_times.max() - problem.start_times.min())
+    limits = [agent.max_speed for agent in problem.scene.agents if agent.max_speed is not None]
+    walked = graph.length[graph.num_vertices :]
+    if not limits or not len(walked):
+        return LEAST_LAYERS
+    hop = float(np.quantile(walked, MOST_MOVES))
+    return max(LEAST_LAYERS, math.ceil(span * min(limits) / hop))
 
 
 def busiest_place(problem: PlanningProblem, graph: Graph, journeys: Journeys) -> int:

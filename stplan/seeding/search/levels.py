@@ -15,7 +15,7 @@ from stplan.problem.requirement import Requirement, requirement
 from stplan.reasons import Reason
 from stplan.seeding.infeasibility import stranded, too_few_layers
 from stplan.seeding.search.graph import Graph
-from stplan.seeding.search.journeys import Journeys, automatic_layers
+from stplan.seeding.search.journeys import Journeys, automatic_layers, hasty_layers
 from stplan.seeding.search.planner import LayeredPlanner
 from stplan.seeding.search.way_edges import Track
 
@@ -44,6 +44,8 @@ class Level:
     def layers(self) -> int:
         """Time layers to begin with."""
         asked = self.problem.scene.seeding.layers
+        if asked is None and self.problem.scene.minimise != "energy":
+            return hasty_layers(self.problem, self.graph)
         return asked or automatic_layers(self.problem, self.graph, self.journeys)
 
     def planner(self, layers: int, required: Requirement | None = None) -> LayeredPlanner:
