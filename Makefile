@@ -6,10 +6,10 @@ BIN := $(VENV)/bin
 DEMO := scenes/bottleneck/bottleneck.yaml
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test claims check bench gallery docs package page format clean
+.PHONY: help demo test claims check bench gallery docs notebooks package page format clean
 
 help: ## list the targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
 
 demo: $(VENV)/.installed ## plan five walkers through one gap, and say where the files are
 	$(BIN)/stplan solve $(DEMO)
@@ -42,6 +42,9 @@ gallery: $(VENV)/.installed-dev ## plan and draw every scene: docs/gallery and t
 docs: $(VENV)/.installed-dev ## build the site of the documentation into build/site; warnings are errors
 	$(BIN)/python -m sphinx -W --keep-going -q -c docs/site -d build/doctrees docs build/site
 	@echo "Open build/site/index.html"
+
+notebooks: $(VENV)/.installed-dev ## run the notebooks and keep what they print and draw
+	$(BIN)/python docs/run_notebooks.py
 
 package: $(VENV)/.installed-dev ## build the wheel, and try it in an empty environment without the sources
 	$(BIN)/python .ci/package.py
