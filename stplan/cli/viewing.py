@@ -132,26 +132,38 @@ def animate(
 @command(app)
 def view(
     console: Console,
-    run: RunPath,
+    runs: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="RUN...", help="Folder of a run, or a .npz or .csv in it; one or two."
+        ),
+    ],
     *,
     output: Picture = None,
     scene: SceneOfRun = None,
 ) -> int:
-    """Write an interactive page of a run.
+    """Write an interactive page of a run, or of two over each other.
 
     One HTML file that needs no network: the map with playback, the rods in space and time, every
-    agent's numbers and the tightest moments. RUN/view.html unless told.
+    agent's numbers and the tightest moments. Of two runs the second is drawn as rings, in step with the
+    first, and the page lists where they differ most. RUN/view.html unless told, of two RUN/view-both.html.
 
     \b
-    Example:
+    Examples:
       stplan view outputs/bottleneck
+      stplan view outputs/bottleneck outputs/bottleneck/seed.npz
     """
     from stplan.viewing.page import page_bytes
 
-    target = output or beside(run, "view.html")
+    if len(runs) > 2:
+        raise UsageError(f"{len(runs)} runs are named; one is shown, or two over each other")
+    target = output or beside(runs[0], "view.html" if len(runs) == 1 else "view-both.html")
     _kind(target, ("html",))
-    (view,) = open_views(console, [run], scene)
-    return written(console, target, page_bytes(view))
+    view, *others = open_views(console, runs, scene)
+    other = others[0] if others else None
+    alike = other is not None and other.title == view.title
+    titles = [str(run) for run in runs] if alike else []
+    return written(console, target, page_bytes(view, other, titles))
 
 
 def open_views(console: Console, runs: Sequence[Path], scene: Path | None) -> list[RunView]:

@@ -7,6 +7,7 @@ package; here a run is put into it.
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from importlib import resources
 from typing import Any
 
@@ -18,6 +19,7 @@ from stplan.analysis.tightness import TightSpot, pair_spots, wall_spots
 from stplan.analysis.waiting import Wait, waits
 from stplan.arrays import FloatArray
 from stplan.viewing.clearances import smallest_clearance, touching_point
+from stplan.viewing.page_comparison import other_content
 from stplan.viewing.palette import hex_colours
 from stplan.viewing.run_view import RunView
 
@@ -26,38 +28,48 @@ _SAMPLES = 600
 _REACH = 4.0
 
 
-def page_bytes(view: RunView) -> bytes:
-    """The page with `view` in it."""
+def page_bytes(view: RunView, other: RunView | None = None, titles: Sequence[str] = ()) -> bytes:
+    """The page with `view` in it, and with an `other` run over it where there is one.
+
+    Args:
+        titles: of both; the runs' own where left out.
+    """
     template = resources.files("stplan.viewing").joinpath("page/built/page.html").read_text("utf-8")
     # JSON may hold any text; without this one letter none of it can end the element it stands in.
-    content = json.dumps(page_content(view), separators=(",", ":"), allow_nan=False)
+    content = json.dumps(page_content(view, other, titles), separators=(",", ":"), allow_nan=False)
     return template.replace("__RUN__", content.replace("<", "\\u003c"), 1).encode()
 
 
-def page_content(view: RunView) -> dict[str, Any]:
+def page_content(
+    view: RunView, other: RunView | None = None, titles: Sequence[str] = ()
+) -> dict[str, Any]:
     """What the page's scripts read: lengths in m, times in s, agents by their index."""
     waiting = sorted(waits(view.crowd), key=lambda wait: wait.begin)
     spots = pair_spots(view.crowd) + wall_spots(view.crowd)
     spots.sort(key=lambda spot: spot.clearance)
+    colours = hex_colours(view.num_agents)
+    own, others = titles or (view.title, "" if other is None else other.title)
+    shown = [view] if other is None else [view, other]
+    end = max(each.end for each in shown)
+    corners = np.array([each.bounds for each in shown])
     return {
-        "title": view.title,
+        "title": own,
         "description": view.description,
-        "notes": list(view.notes),
-        "begin": view.begin,
-        "end": view.end,
-        "bounds": list(view.bounds),
+        "notes": [*dict.fromkeys(note for each in shown for note in each.notes)],
+        "begin": min(each.begin for each in shown),
+        "end": end,
+        "arrived": view.end,
+        "bounds": [*corners[:, :2].min(axis=0).tolist(), *corners[:, 2:].max(axis=0).tolist()],
         "map": _rings(view),
-        "agents": [
-            _agent(view, a, colour, waiting)
-            for a, colour in enumerate(hex_colours(view.num_agents))
-        ],
+        "agents": [_agent(view, a, colour, waiting, end) for a, colour in enumerate(colours)],
+        "other": None if other is None else other_content(view, other, others, colours),
         "seed": _seed(view),
         "moments": [_moment(view, spot) for spot in spots],
         "clearance": _clearance(view),
     }
 
 
-def _agent(view: RunView, a: int, colour: str, waiting: list[Wait]) -> dict[str, Any]:
+def _agent(view: RunView, a: int, colour: str, waiting: list[Wait], end: float) -> dict[str, Any]:
     curve = view.lines.curve(a)
     length, name = path_length(curve), view.lines.agent_ids[a]
     preferred = float(view.crowd.preferred[a])
@@ -66,7 +78,7 @@ def _agent(view: RunView, a: int, colour: str, waiting: list[Wait]) -> dict[str,
         "colour": colour,
         "radius": float(view.radii[a]),
         "knots": _rounded(curve),
-        "leaves": float(view.leaves[a]),
+        "leaves": float(view.seen_until(end)[a]),
         "preferred": None if np.isnan(preferred) else preferred,
         "length": length,
         "mean": length / float(curve[-1, 2] - curve[0, 2]),

@@ -25,6 +25,7 @@ def test_files_go_beside_the_run_unless_told(hall, run):
     assert (result.status, result.out, result.err) == (0, f"{hall}/plot.png\n", "")
     assert run("plot", hall / "seed.npz", "--dpi", 30, "-q").out == ""
     assert run("view", hall).out == f"{hall}/view.html\n"
+    assert run("view", hall, hall / "seed.npz").out == f"{hall}/view-both.html\n"
     assert run("export", hall).out == f"{hall}/rods.glb\n"
     assert run("export", hall, "--format", "jupedsim", "--fps", 4).status == 0
     result = run("animate", hall, "--size", "200", "--fps", 2, "--speed", 9, "--json")
@@ -59,6 +60,7 @@ def test_a_named_file_decides_the_format(hall, run):
         (["animate", "--speed", "nan"], "--speed is nan; expected a number above 0"),
         (["animate", "--size", "12x"], "--size is 12x; expected WIDTH or WIDTHxHEIGHT, 64 to 8192"),
         (["animate", "--size", "9000"], "--size is 9000; expected WIDTH or WIDTHxHEIGHT"),
+        (["view", "a", "b"], "3 runs are named; one is shown, or two over each other"),
         (["view", "-o", "x.pdf"], "x.pdf: expected a name ending in .html"),
         (["export", "--format", "obj"], "--format: 'obj' is none of glb, animated-glb, csv"),
         (["export", "--pace", "-1"], "--pace is -1.0; expected a number above 0"),

@@ -13,7 +13,7 @@ import pytest
 import stplan.viewing
 from stplan.viewing.page import page_bytes, page_content
 from stplan.viewing.run_view import open_run
-from tests.viewing.runs import hall_run
+from tests.viewing.runs import CURVES, hall_run, write_run
 
 PAGE = Path(stplan.viewing.__file__).parent / "page"
 
@@ -44,6 +44,33 @@ def test_no_text_of_a_scene_ends_the_element_it_stands_in(view):
     content = json.loads(written.group(1))
     assert content["description"] == "two cross, one waits </script>"
     assert content == json.loads(json.dumps(page_content(view)))
+
+
+def test_a_second_run_is_matched_by_id(view, tmp_path):
+    (tmp_path / "later").mkdir()
+    later = write_run(tmp_path / "later", SWAPPED, [CURVES[1] + [0, 0, 2.0], CURVES[0], CURVES[2]])
+    content = page_content(view, open_run(later), ["before", "after"])
+    other = content["other"]
+    assert (content["title"], other["title"]) == ("before", "after")
+    assert (content["arrived"], content["end"], other["end"]) == (9.0, 9.0, 9.0)
+    assert [agent["row"] for agent in other["agents"]] == [1, 0, None]
+    assert other["agents"][0]["colour"] == content["agents"][1]["colour"]
+    assert other["missing"] == ["cat"]
+    ben, ann = other["differences"]
+    assert (ben["a"], ben["later"], ann["distance"]) == (1, 2.0, 0.0)
+    assert ben["distance"] > 0.5
+
+
+SWAPPED = """\
+stplan: 1
+name: hall
+horizon: 12.0
+defaults: {radius: 0.3}
+agents:
+  - {id: ben, start: [0.0, -2.5], goal: [0.0, 1.5], radius: 0.4, start_time: 2.0}
+  - {id: ann, start: [-4.0, 0.0], goal: [4.0, 0.0]}
+  - {id: dog, start: [4.0, -2.0], goal: [-4.0, -2.5], start_time: 1.0, after_arrival: vanish}
+"""
 
 
 def test_what_the_page_knows(view):

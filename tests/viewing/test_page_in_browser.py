@@ -15,7 +15,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from stplan.viewing.page import page_bytes
 from stplan.viewing.run_view import open_run
-from tests.viewing.runs import hall_run, many_run
+from tests.viewing.runs import CURVES, HALL, hall_run, many_run, write_run
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 ADVICE = "no browser to test the page in: apt-get install chromium (as .ci/run does)"
@@ -43,9 +43,10 @@ def opened(browser: Browser, tmp_path: Path) -> Iterator[Callable[[Path], Page]]
     faults: list[str] = []
     contexts = []
 
-    def show(run: Path) -> Page:
+    def show(run: Path, other: Path | None = None) -> Page:
         file = tmp_path / "view.html"
-        file.write_bytes(page_bytes(open_run(run)))
+        second = None if other is None else open_run(other)
+        file.write_bytes(page_bytes(open_run(run), second))
         context = browser.new_context(
             viewport={"width": 1080, "height": 440}, color_scheme="light", offline=True
         )
@@ -188,6 +189,37 @@ def test_a_small_scene(opened, tmp_path):
     page.locator("#theme").click()
     assert _pixels(page, "body").mean() < 0.5 * light
     assert _pixels(page, "#rods")[5:40, 5:40].mean() < 60
+
+
+def test_two_runs_in_step(opened, tmp_path):
+    """ben sets off two seconds later in the second run, which is drawn as rings."""
+    (tmp_path / "second").mkdir()
+    later = write_run(
+        tmp_path / "second",
+        HALL.replace("{id: ben,", "{id: ben, start_time: 2.0,"),
+        [CURVES[0], CURVES[1] + [0.0, 0.0, 2.0], CURVES[2]],
+    )
+    page = opened(hall_run(tmp_path), later)
+    assert "rings: hall, after 9.00 s" in page.locator("#facts").inner_text()
+    rows = page.locator("#differences button")
+    assert rows.count() == 3
+    assert rows.first.inner_text().startswith("ben, arrives 2.00 s later")
+    # The row leads to the moment at which they are furthest apart, and to ben alone.
+    moment = float(rows.first.get_attribute("data-time") or "nan")
+    rows.first.click()
+    assert _time(page) == pytest.approx(moment, abs=1e-3)
+    assert page.locator("#selected").inner_text() == "ben"
+    page.keyboard.press("Escape")
+    # By box and by key, the rings come and go.
+    box = page.get_by_label("hall, as rings")
+    with_rings = _pixels(page, "#plane")
+    box.uncheck()
+    without = _pixels(page, "#plane")
+    assert (np.abs(with_rings - without).max(axis=2) > 30).sum() > 100
+    box.blur()
+    page.keyboard.press("o")
+    assert box.is_checked()
+    assert np.array_equal(_pixels(page, "#plane"), with_rings)
 
 
 def test_a_hundred_agents(opened, tmp_path):

@@ -10,6 +10,7 @@ import { Timeline } from "./timeline.js";
 import { element, metres, seconds, speed } from "./words.js";
 
 const run = new Run(JSON.parse(document.getElementById("run").textContent));
+if (run.other) run.other = new Run(run.other);
 const state = new State(run);
 
 function showHead() {
@@ -17,8 +18,9 @@ function showHead() {
   document.getElementById("title").textContent = run.title;
   document.getElementById("description").textContent = run.description;
   const [tightest] = run.moments;
-  const facts = [`${run.agents.length} agents`, `all arrived after ${seconds(run.end)}`];
+  const facts = [`${run.agents.length} agents`, `all arrived after ${seconds(run.arrived)}`];
   if (tightest) facts.push(`smallest clearance ${metres(tightest.clearance)}`);
+  if (run.other) facts.push(`rings: ${run.other.title}, after ${seconds(run.other.end)}`);
   document.getElementById("facts").textContent = facts.join(" · ");
 }
 
@@ -57,12 +59,13 @@ function listenToKeys(timeline) {
     "+": () => timeline.changeSpeed(1),
     "-": () => timeline.changeSpeed(-1),
     n: () => run.moments.length && state.goTo(run.moments[0]),
+    o: () => run.other && state.showOther(!state.other),
     t: () => toggleTheme(state),
     Escape: () => state.select([]),
   };
   document.addEventListener("keydown", (event) => {
     const act = keys[event.key];
-    if (!act || event.ctrlKey || event.metaKey || event.altKey || event.target.tagName === "SELECT") return;
+    if (!act || event.ctrlKey || event.metaKey || event.altKey || ["SELECT", "INPUT"].includes(event.target.tagName)) return;
     event.preventDefault();
     act(event);
   });

@@ -13,6 +13,7 @@ export class Panel {
     state.listen((what) => {
       if (what === "selection") this.fill();
       if (what === "time") this.stale = true;
+      if (what === "other" && this.box) this.box.checked = state.other;
     });
     this.fill();
   }
@@ -55,6 +56,7 @@ export class Panel {
     const waiting = this.run.agents.flatMap((agent, a) => agent.waits.map((wait) => ({ a, ...wait })));
     return [
       ...this.run.notes.map((note) => element("p", { class: "note" }, note)),
+      ...(this.run.other ? this.comparison() : []),
       element("h2", {}, `Agents (${this.run.agents.length})`),
       element("div", { class: "agents all" }, ...this.run.agents.map((_, a) => this.link(a))),
       element("h2", {}, "Tightest moments"),
@@ -62,6 +64,39 @@ export class Panel {
       waiting.length > 0 && element("h2", {}, "Who waits"),
       waiting.length > 0 && this.waits(waiting),
     ];
+  }
+
+  /** What differs between the two runs, and a switch for the second one. */
+  comparison() {
+    const { other } = this.run;
+    const box = element("input", { type: "checkbox", id: "other", onchange: () => this.state.showOther(box.checked) });
+    box.checked = this.state.other;
+    this.box = box;
+    const rows = other.differences.map((one) => this.difference(one));
+    const strangers = [
+      ...other.missing.map((name) => `${name} is only in the first run`),
+      ...other.agents.filter(({ row }) => row === null).map(({ id }) => `${id} is only in the second run`),
+    ];
+    return [
+      element("label", { class: "other", title: "Show or hide the second run (O)" }, box, ` ${other.title}, as rings`),
+      element("h2", {}, "Greatest differences"),
+      element("ol", { class: "moments", id: "differences" }, ...rows),
+      ...strangers.map((line) => element("p", { class: "muted" }, line)),
+    ];
+  }
+
+  difference(one) {
+    const later = one.later === 0 ? "" : `, arrives ${seconds(Math.abs(one.later))} ${one.later > 0 ? "later" : "sooner"}`;
+    return element(
+      "li", {},
+      element(
+        "button",
+        { type: "button", "data-time": one.time, onclick: () => this.state.goTo(one) },
+        element("span", { class: "who" }, this.dot(one.a), `${this.name(one.a)}${later}`),
+        element("span", { class: "gap" }, metres(one.distance)),
+        element("span", { class: "when" }, seconds(one.time)),
+      ),
+    );
   }
 
   agent(a) {

@@ -20,7 +20,7 @@ export class Plane {
     this.dirty = true;
     state.listen((what) => {
       this.dirty = true;
-      if (what === "selection" || what === "theme") this.stale = true;
+      if (["selection", "theme", "other"].includes(what)) this.stale = true;
     });
     this.listenToPointer();
   }
@@ -153,8 +153,48 @@ export class Plane {
       }
       this.cross(pen, agent.knots.at(-1), 4 * ratio);
     });
+    if (run.other && state.other) this.drawOtherPaths(pen, ratio);
     pen.globalAlpha = 1;
     this.drawScale(pen, palette, ratio);
+  }
+
+  /** Whether an agent of the second run is shown: with its namesake, or with all. */
+  showsOther(agent) {
+    return agent.row === null ? this.state.selected.size === 0 : this.state.shows(agent.row);
+  }
+
+  drawOtherPaths(pen, ratio) {
+    pen.lineWidth = 1.2 * ratio;
+    pen.setLineDash([5 * ratio, 4 * ratio]);
+    for (const agent of this.run.other.agents) {
+      pen.strokeStyle = agent.colour;
+      pen.globalAlpha = this.showsOther(agent) ? 0.6 : 0.06;
+      pen.beginPath();
+      this.trace(pen, agent.knots, false);
+      pen.stroke();
+    }
+    pen.setLineDash([]);
+  }
+
+  /** Rings of the second run, each tied to its namesake's disc. */
+  drawRings(pen, ratio) {
+    const { run, state } = this;
+    const place = [0, 0];
+    pen.lineWidth = 2 * ratio;
+    run.other.agents.forEach((agent, a) => {
+      if (!run.other.place(a, state.time, place)) return;
+      const [u, v] = [this.origin[0] + this.scale * place[0], this.origin[1] - this.scale * place[1]];
+      pen.globalAlpha = this.showsOther(agent) ? 0.9 : 0.1;
+      pen.strokeStyle = agent.colour;
+      pen.beginPath();
+      pen.arc(u, v, Math.max(agent.radius * this.scale, 2.5 * ratio), 0, 2 * Math.PI);
+      if (agent.row !== null && run.place(agent.row, state.time, place)) {
+        pen.moveTo(u, v);
+        pen.lineTo(this.origin[0] + this.scale * place[0], this.origin[1] - this.scale * place[1]);
+      }
+      pen.stroke();
+    });
+    pen.globalAlpha = 1;
   }
 
   trace(pen, points, closed) {
@@ -191,6 +231,7 @@ export class Plane {
     const ratio = window.devicePixelRatio || 1;
     const place = [0, 0];
     const names = [];
+    if (run.other && state.other) this.drawRings(pen, ratio);
     pen.lineWidth = 1.5 * ratio;
     run.agents.forEach((agent, a) => {
       if (!run.place(a, state.time, place)) return;

@@ -9,10 +9,11 @@ export class State {
     this.selected = new Set();
     this.hovered = null;
     this.moment = null;
+    this.other = true;
     this.listeners = [];
   }
 
-  /** Call `listener(what)` after a change of "time", "playing", "selection", "hover" or "theme". */
+  /** Call `listener(what)` after a change of "time", "playing", "selection", "hover", "other" or "theme". */
   listen(listener) {
     this.listeners.push(listener);
   }
@@ -37,6 +38,12 @@ export class State {
     this.selected = new Set(agents);
     this.moment = moment;
     this.tell("selection");
+  }
+
+  /** Show the second run, where there is one, or hide it. */
+  showOther(shown) {
+    this.other = shown;
+    this.tell("other");
   }
 
   hover(agent) {
