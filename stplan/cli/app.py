@@ -16,6 +16,7 @@ from stplan.cli import (
     exporting,
     importing,
     improving,
+    measuring,
     planning,
     scenes,
     viewing,
@@ -61,7 +62,7 @@ Units are metres, seconds and kilograms. The keys of a scene are in docs/scene-f
 # In the order in which help lists them.
 GROUPS = (
     planning.app, improving.app, checking.app, scenes.app, importing.app, viewing.app, exporting.app,
-    batch.app, bench_plans.app, doctor.app,
+    measuring.app, batch.app, bench_plans.app, doctor.app,
 )  # fmt: skip
 
 app = group(

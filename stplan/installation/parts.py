@@ -11,7 +11,7 @@ from importlib import metadata
 from stplan.report import versions
 
 # What users may add; the others are for those who develop.
-EXTRAS = ("view", "maps", "export", "data", "bim", "dask")
+EXTRAS = ("view", "maps", "export", "measure", "data", "bim", "dask")
 BROWSERS = (
     "chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "firefox", "msedge",
     "safari",
