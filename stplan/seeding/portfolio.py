@@ -245,7 +245,7 @@ def prepare_portfolio(problem: PlanningProblem) -> Portfolio:
     levels = Levels(problem)
     many_radii = len(np.unique(problem.radii)) > FEW_RADII
     if many_radii or straight_ways_are_clear(problem):
-        relaxation = MendedRelaxation(Relaxation(problem, OPEN_SWEEPS), Mending(levels))
+        relaxation = MendedRelaxation(Relaxation(problem, OPEN_SWEEPS, levels), Mending(levels))
         return Portfolio(
             problem, rendezvous, required, (relaxation, JointSearch(levels), Search(levels))
         )
@@ -278,8 +278,8 @@ def _surroundings(problem: PlanningProblem) -> PlanningProblem:
 
 def _tight_seeders(levels: Levels) -> tuple[tuple[Seeder, ...], tuple[Rival, ...]]:
     """The seeders in the order they are tried in tight spaces, and what competes with them."""
-    least_cost = LeastCost(levels)
-    relaxation = Relaxation(levels.problem, TIGHT_SWEEPS)
+    by_motion, by_length = LeastCost(levels), LeastCost(levels, by_length=True)
+    relaxation = Relaxation(levels.problem, TIGHT_SWEEPS, levels)
     seeders = (
         Emptying(levels),
         Search(levels, (SOON_EFFORT, SOON_EFFORT)),
@@ -290,6 +290,7 @@ def _tight_seeders(levels: Levels) -> tuple[tuple[Seeder, ...], tuple[Rival, ...
     if levels.problem.num_agents > MOST_COMPETING:
         return seeders, ()
     return seeders, (
-        Rival(least_cost, least_cost.worthwhile_starts, patience=2),
+        Rival(by_motion, by_motion.worthwhile_starts, patience=1),
+        Rival(by_length, by_length.worthwhile_starts, patience=1),
         Rival(relaxation, RELAXATION_STARTS, patience=2),
     )

@@ -6,20 +6,25 @@ walls, and everything else that agents do is measured against them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from stplan.arrays import FloatArray
 from stplan.problem.planning_problem import PlanningProblem
-from stplan.seeding.search.shortest_ways import shortest_ways
+from stplan.seeding.search.shortest_ways import Way, shortest_ways
 
 
-def geodesic_curves(problem: PlanningProblem) -> list[FloatArray | None]:
+def geodesic_curves(
+    problem: PlanningProblem, ways: Sequence[Way | None] | None = None
+) -> list[FloatArray | None]:
     """One (n, 3) curve an agent from its start time to the time it would like to arrive.
 
     None where an agent's stops are not connected at its radius. Prescribed paths are
-    kept; agents that ignore walls, and all in the open plane, go straight.
+    kept; agents that ignore walls, and all in the open plane, go straight. `ways` are the shortest
+    ones, found here where they are not given.
     """
-    ways = shortest_ways(problem)
+    ways = shortest_ways(problem) if ways is None else ways
     curves: list[FloatArray | None] = []
     for agent, (given, stops, way) in enumerate(
         zip(problem.paths, problem.stops, ways, strict=True)

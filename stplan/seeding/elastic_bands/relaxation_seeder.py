@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from stplan.seeding.elastic_bands.relaxation import MOST_SWEEPS, NAME, RELAXATIO
 from stplan.seeding.infeasibility import touching
 from stplan.seeding.seeder import Budget, SeedAttempt
 
+if TYPE_CHECKING:
+    from stplan.seeding.search.levels import Levels
+
 
 @dataclass(frozen=True)
 class Relaxation:
@@ -24,11 +27,13 @@ class Relaxation:
 
     Attributes:
         max_sweeps: sweeps at most.
+        levels: of the problem; they know shortest ways.
     """
 
     name: ClassVar = NAME
     problem: PlanningProblem
     max_sweeps: int = MOST_SWEEPS
+    levels: Levels | None = None
 
     @cached_property
     def required(self) -> Requirement:
@@ -42,7 +47,7 @@ class Relaxation:
             return None
         from stplan.seeding.elastic_bands.geodesics import geodesic_curves
 
-        return geodesic_curves(self.problem)
+        return geodesic_curves(self.problem, None if self.levels is None else self.levels.ways)
 
     def attempt(self, budget: Budget) -> SeedAttempt:
         """Sweep until everybody is clear."""

@@ -7,11 +7,15 @@ import math
 import numpy as np
 
 from stplan.arrays import BoolArray, IntArray
+from stplan.problem.clearance import STRICT
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement
 from stplan.seeding.search.graph import UNREACHABLE, Graph
 from stplan.seeding.search.journey import Journey, shortest_way
 
+# Moves exactly as far off the walls as required are none, whatever the rounding: a little further than where
+# verification calls them clear.
+CLEAR = STRICT * (1.0 + 1e-9)
 LEAST_LAYERS = 16
 # Agents that queue at one place need more layers than the way is long: one by one they pass.
 LAYERS_IN_QUEUE = 10
@@ -44,7 +48,9 @@ class Journeys:
         for agent, points in enumerate(problem.stops):
             places = place_of[position : position + len(points)]
             position += len(points)
-            limit = float(required.walls[agent]) if problem.heeds_walls[agent] else -math.inf
+            limit = (
+                CLEAR * float(required.walls[agent]) if problem.heeds_walls[agent] else -math.inf
+            )
             if limit not in masks:
                 masks[limit] = graph.free_moves(limit)
             self.start.append(int(places[0]) if len(places) else 0)

@@ -34,8 +34,7 @@ def cheapest_path(
         cost: (M,) cost of every move.
         penalty: cost of each blocking rod of a move; HARD forbids blocked moves.
     """
-    layered = np.ascontiguousarray(table.T)
-    path = _cheapest(journey, window, graph.leaving, layered, cost, penalty)
+    path = _cheapest(journey, window, graph.leaving, table, cost, penalty)
     return path if len(path) else None
 
 
@@ -55,14 +54,14 @@ def _cheapest(
     journey: Journey,
     window: Window,
     leaving: MoveRows,
-    layered: CountArray,
+    table: CountArray,
     cost: FloatArray,
     penalty: float,
 ) -> IntArray:
-    """The cheapest path, empty if there is none; `layered` (L, M) is the transposed table."""
+    """The cheapest path, empty if there is none."""
     start, targets, hops, free = journey
     first_layer, last_layer = window.first, window.last
-    num_layers = len(layered)
+    num_layers = table.shape[1]
     num_legs, num_vertices = hops.shape
     nothing = np.empty(0, np.int64)
     leg = 0
@@ -76,7 +75,7 @@ def _cheapest(
     tail = np.zeros(num_layers + 1)
     if window.stays:
         for layer in range(num_layers - 1, -1, -1):
-            tail[layer] = tail[layer + 1] + _price(layered[layer, goal], penalty)
+            tail[layer] = tail[layer + 1] + _price(table[goal, layer], penalty)
     span = last_layer - first_layer
     parent = np.full((span + 1, num_legs * num_vertices), -1, np.int32)
     here = np.full(num_legs * num_vertices, np.inf)
@@ -100,7 +99,7 @@ def _cheapest(
                 if not free[move]:
                     continue
                 other = leaving.ends[move]
-                total = here[state] + cost[move] + _price(layered[layer, move], penalty)
+                total = here[state] + cost[move] + _price(table[move, layer], penalty)
                 next_leg = leg
                 while next_leg < num_legs - 1 and other == targets[next_leg]:
                     next_leg += 1

@@ -1,10 +1,11 @@
 """Prioritised planning by cost: one agent after another, each on its cheapest way around those before it.
 
 Safe-interval search sends everybody to its goal as early as possible, which leaves dear detours and queues
-behind. Here every agent takes the way that costs it least among the rods already there. For even random
-numbers a move costs what it costs in the plan, |dx|^2 / (2 dt), so that everybody is as slow as its time
-allows; for odd ones its length in space-time, the paper's choice, which prefers short ways. The agent that
-found no way goes first in the next order, until everyone has been first; then orders are random.
+behind. Here every agent takes the way that costs it least among the rods already there. Either a move costs
+what it costs in the plan, |dx|^2 / (2 dt), so that everybody is as slow as its time allows; or its length in
+space-time, the paper's choice, which prefers short ways. Scenes that suit one of them often defeat the
+other. The agent that found no way goes first in the next order, until everyone has been first; then orders
+are random.
 """
 
 from __future__ import annotations
@@ -15,20 +16,22 @@ from typing import ClassVar
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.problem.requirement import Requirement, requirement
 from stplan.problem.verification import verify
 from stplan.reasons import Reason
 from stplan.seeding.margins import margin_ladder
 from stplan.seeding.search.layered_dijkstra import HARD, space_time_length
-from stplan.seeding.search.levels import Levels, off_roadmap, out_of_layers
+from stplan.seeding.search.levels import Level, Levels, off_roadmap, out_of_layers
 from stplan.seeding.search.planner import LayeredPlanner
 from stplan.seeding.search.prioritized import GUARD_LAYERS
 from stplan.seeding.seeder import Budget, SeedAttempt, SeedRecord
 
 # Orders tried from one random number: another one is worth more than to go on.
 ORDERS = 6
-# So many starts over the number of agents, or over that of agents, moves and layers; at least, at most.
+# So many starts of both costs over the number of agents, or over that of agents, moves and layers; of
+# either cost at least, at most.
 STARTED_AGENTS, STARTED_WORK = 100, 10**8
-FEWEST_STARTS, MOST_STARTS = 2, 8
+FEWEST_STARTS, MOST_STARTS = 2, 4
 # Starts of more work take many seconds each, mostly in vain: none are made.
 MOST_WORK = 3 * 10**8
 # Margins tried; smaller ones are left to other searches.
@@ -39,43 +42,47 @@ IDLE_SHARE = 1e-3
 
 @dataclass(frozen=True)
 class LeastCost:
-    """Clear curves, each the cheapest around those planned before it."""
+    """Clear curves, each the cheapest around those planned before it.
+
+    Attributes:
+        by_length: whether a move costs its length in space-time, else what moving costs.
+    """
 
     name: ClassVar = "least-cost"
     levels: Levels
+    by_length: bool = False
 
     @property
     def worthwhile_starts(self) -> int:
-        """How many starts a scene is worth: fewer of more agents and of larger roadmaps."""
+        """How many starts of either cost a scene is worth: fewer of more agents and of larger roadmaps."""
         problem = self.levels.problem
         level = self.levels.at(problem.scene.seeding.margin)
         work = problem.num_agents * len(level.graph.length) * level.layers
         if work > MOST_WORK:
             return 0
-        worth = min(STARTED_AGENTS // problem.num_agents, STARTED_WORK // work)
+        worth = min(STARTED_AGENTS // (2 * problem.num_agents), STARTED_WORK // (2 * work))
         return min(max(worth, FEWEST_STARTS), MOST_STARTS)
 
     def attempt(self, budget: Budget) -> SeedAttempt:
-        """Orders on ever smaller margins, until one succeeds."""
+        """Orders for ever smaller margins, until one succeeds; all on one roadmap."""
+        problem, level = self.levels.problem, self._level()
+        if level is None:
+            first = self.levels.at(problem.scene.seeding.margin)
+            return SeedAttempt(f"search ({self.name})", reasons=off_roadmap(first))
         reasons: tuple[Reason, ...] = ()
         tries = 0
-        problem = self.levels.problem
-        for number, margin in enumerate(margin_ladder(problem.scene.seeding.margin)[:MARGINS]):
+        for number, margin in enumerate(margin_ladder(level.margin)[:MARGINS]):
             if budget.spent():
                 break
-            level = self.levels.at(margin)
-            if level.journeys.stranded():
-                reasons = reasons or off_roadmap(level)
-                continue
-            planner = level.planner(1)
+            planner = level.planner(1, self._required(level, margin))
             if planner.too_late():
-                reasons = reasons or out_of_layers(planner)
-                continue
+                reasons = out_of_layers(planner)
+                break
             rng = np.random.default_rng([budget.rng_seed, number])
             cost = (
-                move_costs(planner)
-                if budget.rng_seed % 2 == 0
-                else space_time_length(planner.graph, planner.grid.height)
+                space_time_length(planner.graph, planner.grid.height)
+                if self.by_length
+                else move_costs(planner)
             )
             curves, tried = _plan_orders(planner, cost, rng, budget)
             tries += tried
@@ -83,6 +90,17 @@ class LeastCost:
                 record = SeedRecord(margin=margin, tries=tries)
                 return SeedAttempt(f"search ({self.name})", curves, clear=True, record=record)
         return SeedAttempt(f"search ({self.name})", record=SeedRecord(tries=tries), reasons=reasons)
+
+    def _level(self) -> Level | None:
+        """The widest margin whose roadmap connects everybody, None where there is none."""
+        levels = map(self.levels.at, margin_ladder(self.levels.problem.scene.seeding.margin))
+        return next((level for level in levels if not level.journeys.stranded()), None)
+
+    def _required(self, level: Level, margin: float) -> Requirement | None:
+        """What a smaller margin asks between agents; a roadmap of its own would not be worth its time."""
+        if margin == level.margin:
+            return None
+        return Requirement(requirement(self.levels.problem, margin).rods, level.required.walls)
 
 
 def _plan_orders(

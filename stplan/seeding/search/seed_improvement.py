@@ -50,9 +50,9 @@ REMEMBERED = 200
 LEAST_HELD = 1.0005
 
 # What an improvement may take: moves times the size of the layered roadmap and of the crowd, in numbers of
-# labels; about half a second. An agent weighs so many labels, by what it takes to shorten its curve.
-IMPROVEMENT_WORK, AGENT_WORK = 4 * 10**7, 3 * 10**4
-MOST_MOVES = 100
+# labels; about a second. An agent weighs so many labels, by what it takes to shorten its curve.
+IMPROVEMENT_WORK, AGENT_WORK = 8 * 10**7, 3 * 10**4
+MOST_MOVES = 120
 
 
 def worthwhile_moves(levels: Levels) -> int:
@@ -75,7 +75,7 @@ def improve_seed(
     planner = _planner(levels, start.curves) if start.clear else None
     if planner is None or not planner.movers:
         return [start]
-    walk = _Walk(planner, start.curves, np.random.default_rng(budget.rng_seed))
+    walk = _Walk(levels, planner, start.curves, np.random.default_rng(budget.rng_seed))
     tried = 0
     while tried < moves and not budget.spent():
         walk.move()
@@ -90,7 +90,8 @@ def improve_seed(
 
 
 def cheapest_start(levels: Levels, seeds: int, budget: Budget) -> SeedAttempt:
-    """The cheapest of so many seeds of `LeastCost`, from the budget's random number and those after it.
+    """The cheapest of so many seeds of `LeastCost`, from the budget's random number and those after it, by
+    motion for even ones and by length for odd ones.
 
     An attempt that is not clear where none of them is.
     """
@@ -98,7 +99,9 @@ def cheapest_start(levels: Levels, seeds: int, budget: Budget) -> SeedAttempt:
     for number in range(seeds):
         if budget.spent():
             break
-        found = LeastCost(levels).attempt(replace(budget, rng_seed=budget.rng_seed + number))
+        rng_seed = budget.rng_seed + number
+        seeder = LeastCost(levels, by_length=rng_seed % 2 == 1)
+        found = seeder.attempt(replace(budget, rng_seed=rng_seed))
         if not found.clear:
             best = best if best.clear else found
             continue
@@ -155,7 +158,11 @@ class _Walk:
     """The present state, its reservations, and the cheapest states there were."""
 
     def __init__(
-        self, planner: LayeredPlanner, curves: Sequence[FloatArray], rng: np.random.Generator
+        self,
+        levels: Levels,
+        planner: LayeredPlanner,
+        curves: Sequence[FloatArray],
+        rng: np.random.Generator,
     ) -> None:
         self._planner = planner
         self._problem: PlanningProblem = planner.problem
@@ -164,7 +171,7 @@ class _Walk:
             move_costs(planner),
             space_time_length(planner.graph, planner.grid.height),
         )
-        self._least = _least_costs(self._problem)
+        self._least = _least_costs(levels)
         self._reserved = CurveSet(planner)
         planner.reset()
         for agent, curve in enumerate(curves):
@@ -262,14 +269,15 @@ class _Walk:
         return _State(total_kinetic_cost(self._problem.masses, shortened), shortened)
 
 
-def _least_costs(problem: PlanningProblem) -> FloatArray:
+def _least_costs(levels: Levels) -> FloatArray:
     """(A,) kinetic cost of everybody on its own shortest way at constant speed, 0 where none is known."""
     from stplan.seeding.elastic_bands.geodesics import geodesic_curves
 
-    ways = geodesic_curves(problem)
+    problem = levels.problem
+    alone = geodesic_curves(problem, levels.ways)
     return np.array(
         [
-            0.0 if way is None else kinetic_cost(float(mass), way)
-            for mass, way in zip(problem.masses, ways, strict=True)
+            0.0 if curve is None else kinetic_cost(float(mass), curve)
+            for mass, curve in zip(problem.masses, alone, strict=True)
         ]
     )

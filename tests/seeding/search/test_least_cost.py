@@ -47,3 +47,24 @@ def test_where_nobody_fits_it_says_so() -> None:
     scene = tight.plus_crossing(np.random.default_rng(1), turn=3)
     found = LeastCost(Levels(prepare(scene))).attempt(Budget(deadline=-1.0))
     assert not found.clear
+
+
+def test_either_cost_gives_clear_curves_of_its_own(problem: PlanningProblem) -> None:
+    levels = Levels(problem)
+    by_motion = LeastCost(levels).attempt(Budget())
+    by_length = LeastCost(levels, by_length=True).attempt(Budget())
+    assert by_motion.clear
+    assert by_length.clear
+    lengths = [
+        sum(float(np.hypot(*np.diff(curve[:, :2], axis=0).T).sum()) for curve in found.curves)
+        for found in (by_motion, by_length)
+    ]
+    assert lengths[1] != lengths[0]
+
+
+def test_moves_just_as_far_off_the_walls_as_required_spoil_nothing() -> None:
+    # An edge of this roadmap is so near to the required distance that rounding decides.
+    problem = prepare(tight.pillars(np.random.default_rng(101), agents=16))
+    found = LeastCost(Levels(problem)).attempt(Budget())
+    assert found.clear
+    assert found.tries == 1
