@@ -22,7 +22,8 @@ rivals that are installed (`pip install 'stplan[rivals]'`) in the same run. Ever
 fast. Ours starts and ends at rest, accelerates at most 3 m/s², and stays where it arrives; rivals may
 start at full speed and vanish on arrival, and only CasADi is told the limit of acceleration. Clearances
 are exact, in continuous time: below 0 agents or walls overlap. Times of computing depend on the machine;
-ours is that of the whole search for the least makespan.
+ours is that of the whole search for the least makespan. In the room all are at most 1.3 m/s fast, without a
+limit of acceleration, and vanish on a line 0.5 m behind the door; ours is `minimise: makespan`.
 """
 # Makespan on the circle, the gap and the lane.
 QUOTED = (
@@ -48,6 +49,7 @@ TITLES = {
     "circle": "Eight agents on a circle of 10 m (r = 0.5 m)",
     "gap": "A room of 10 by 6 m with a gap of 1.2 m, three a side (r = 0.4 m)",
     "lane": "A lane of 10 by 1 m with one pocket (r = 0.4 m)",
+    "room": "A room of 60 on a grid (r = 0.2 m) that empties through a door of 1.2 m, at most 1.3 m/s",
 }
 
 

@@ -111,16 +111,22 @@ def comparison(
 
     Writes comparison.csv and comparison.md: makespans, accelerations and clearances of this
     planner and of those that are installed of RVO2, JuPedSim, OMPL and CasADi
-    (pip install 'stplan[rivals]').
+    (pip install 'stplan[rivals]'); `room` is a crowd behind a door, beside JuPedSim alone.
 
     \b
     Examples:
       stplan bench comparison
       stplan bench comparison --only gap,lane -o outputs/bench
     """
-    from stplan.bench import comparison, comparison_table
+    from stplan.bench import comparison, comparison_table, evacuation
 
-    outcomes = comparison.compare_planners(scenes, names_in(only), progress=console.progress)
+    names = names_in(only)
+    outcomes = []
+    if not names or set(names) != {evacuation.NAME}:
+        chosen = [name for name in names if name != evacuation.NAME]
+        outcomes += comparison.compare_planners(scenes, chosen, progress=console.progress)
+    if not names or evacuation.NAME in names:
+        outcomes += evacuation.outcomes(progress=console.progress)
     contents = {
         "comparison.csv": comparison_table.csv_text(outcomes).encode(),
         "comparison.md": comparison_table.markdown_text(outcomes).encode(),

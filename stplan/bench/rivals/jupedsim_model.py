@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import shapely
 
 from stplan.bench.rivals.task import Motion, Task
+from stplan.scene.model import Scene
+from stplan.world import FreeSpace
 
 PACKAGE = "jupedsim"
 NAME = "JuPedSim, collision-free speed"
@@ -13,6 +17,8 @@ NAME = "JuPedSim, collision-free speed"
 STEP = 0.01
 # Every so many steps a frame is kept; half the side (m) of the square that stands for a goal.
 EVERY, GOAL_SIZE = 5, 0.1
+# How far (m) a line on which all vanish reaches to either side.
+EXIT_DEPTH = 0.1
 # Headway (s) that a walker keeps; the model's default of 1 s is for crowds at rest.
 TIME_GAP = 0.5
 # In the open plane the model still needs a floor: so much (m) beyond starts and goals.
@@ -21,30 +27,54 @@ ROOM = 15.0
 
 def drive(task: Task) -> Motion:
     """Simulate until everyone has left by its own exit, or `time_limit` seconds of the agents' time."""
+    squares = [shapely.box(*(goal - GOAL_SIZE), *(goal + GOAL_SIZE)) for goal in task.goals]
+    return _simulated(task.scene, _floor(task), squares, task.speed, task.time_limit)
+
+
+def leave(scene: Scene, free_space: FreeSpace, speed: float, time_limit: float) -> Motion:
+    """The same where all of `scene` leave by one line, the place in which they vanish."""
+    (place,) = scene.agents[0].goal_places
+    behind = place.shape().buffer(EXIT_DEPTH, cap_style="flat").intersection(free_space.polygon)
+    exits = [shapely.convex_hull(behind)] * len(scene.agents)
+    return _simulated(scene, free_space.polygon, exits, speed, time_limit)
+
+
+def _simulated(
+    scene: Scene,
+    floor: shapely.Geometry,
+    exits: Sequence[shapely.Geometry],
+    speed: float,
+    time_limit: float,
+) -> Motion:
     import jupedsim
 
     simulation = jupedsim.Simulation(
-        model=jupedsim.CollisionFreeSpeedModel(), geometry=_floor(task), dt=STEP
+        model=jupedsim.CollisionFreeSpeedModel(), geometry=floor, dt=STEP
     )
     numbers: dict[int, int] = {}
-    for agent, (start, goal) in enumerate(zip(task.starts, task.goals, strict=True)):
-        square = shapely.box(*(goal - GOAL_SIZE), *(goal + GOAL_SIZE))
-        stage = simulation.add_exit_stage(square)
-        journey = simulation.add_journey(jupedsim.JourneyDescription([stage]))
+    journeys: dict[bytes, tuple[int, int]] = {}
+    for agent, (one, area) in enumerate(zip(scene.agents, exits, strict=True)):
+        if area.wkb not in journeys:
+            stage = simulation.add_exit_stage(area)
+            journeys[area.wkb] = (
+                stage,
+                simulation.add_journey(jupedsim.JourneyDescription([stage])),
+            )
+        stage, journey = journeys[area.wkb]
         numbers[
             simulation.add_agent(
                 jupedsim.CollisionFreeSpeedModelAgentParameters(
-                    position=tuple(start.tolist()),
+                    position=one.start,
                     journey_id=journey,
                     stage_id=stage,
-                    radius=float(task.radii[agent]),
-                    desired_speed=task.speed,
+                    radius=one.radius,
+                    desired_speed=speed,
                     time_gap=TIME_GAP,
                 )
             )
         ] = agent
-    rows: list[list[list[float]]] = [[[*start, 0.0]] for start in task.starts.tolist()]
-    while simulation.agent_count() and simulation.elapsed_time() < task.time_limit:
+    rows: list[list[list[float]]] = [[[*agent.start, 0.0]] for agent in scene.agents]
+    while simulation.agent_count() and simulation.elapsed_time() < time_limit:
         simulation.iterate(EVERY)
         for walker in simulation.agents():
             rows[numbers[walker.id]].append([*walker.position, simulation.elapsed_time()])
