@@ -14,13 +14,13 @@ def description() -> str:
     """Markdown: date, processor, memory, system and versions; no names of hosts or users."""
     packages = ", ".join(f"{name} {version}" for name, version in versions().items())
     return (
-        f"Measured on {date.today().isoformat()}: {os.cpu_count()} cores of {_processor()}, "
+        f"Measured on {date.today().isoformat()}: {os.cpu_count()} cores of {processor()}, "
         f"{_memory_gib():.0f} GiB of memory, {platform.system()}, "
         f"Python {platform.python_version()}; {packages}.\n"
     )
 
 
-def _processor() -> str:
+def processor() -> str:
     """The processor's name, as the system tells it."""
     table = Path("/proc/cpuinfo")
     if table.exists():

@@ -38,15 +38,32 @@ def _benchmarks() -> None:
 
 
 @command(benchmarks, "all", without=NO_JSON)
-def everything(console: Console, *, output: Output = FOLDER, full: Full = False) -> int:
+def everything(
+    console: Console,
+    *,
+    output: Output = FOLDER,
+    full: Full = False,
+    keep: Annotated[
+        bool, typer.Option("--record", help="Append to the history, and compare with what was.")
+    ] = False,
+    history: Annotated[Path, typer.Option(metavar="FILE", help="The history, a CSV.")] = Path(
+        "docs/bench-history.csv"
+    ),
+) -> int:
     """Run every benchmark, and describe the machine.
+
+    With --record what was measured is appended to a history, by commit and machine, in units of a loop that
+    never changes and was timed beside it; and every case is compared with its last record, so that the
+    noise of machines divides out.
 
     \b
     Examples:
       stplan bench all
       stplan bench all --full -o outputs/bench
+      stplan bench all --record
     """
     from stplan.bench.convergence import shipped_scenes
+    from stplan.bench.history import read_history, record
     from stplan.bench.machine import description
     from stplan.bench.plots import require_matplotlib
     from stplan.bench.rival import require_casadi
@@ -55,6 +72,8 @@ def everything(console: Console, *, output: Output = FOLDER, full: Full = False)
     # What is missing is said before anything is measured.
     require_matplotlib()
     require_casadi()
+    if keep:
+        read_history(history)
     shipped_scenes([], full=full)
     finish(console, output, {"machine.md": description().encode()})
     startup(console, output=output, full=full)
@@ -63,7 +82,11 @@ def everything(console: Console, *, output: Output = FOLDER, full: Full = False)
         _sweep(console, name, output=output, full=full)
     rival(console, output=output, full=full)
     seeding(console, output=output, full=full)
-    return convergence(console, output=output, full=full)
+    convergence(console, output=output, full=full)
+    if keep:
+        text = record(output, history, progress=console.progress)
+        finish(console, output, {"history.md": text.encode()})
+    return 0
 
 
 @command(benchmarks, without=NO_JSON)

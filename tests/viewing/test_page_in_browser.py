@@ -203,7 +203,7 @@ def test_two_runs_in_step(opened, tmp_path):
     assert "rings: hall, after 9.00 s" in page.locator("#facts").inner_text()
     rows = page.locator("#differences button")
     assert rows.count() == 3
-    assert rows.first.inner_text().startswith("ben, arrives 2.00 s later")
+    assert rows.first.inner_text().startswith("ben, 2.00 s later")
     # The row leads to the moment at which they are furthest apart, and to ben alone.
     moment = float(rows.first.get_attribute("data-time") or "nan")
     rows.first.click()

@@ -86,7 +86,7 @@ export class Panel {
   }
 
   difference(one) {
-    const later = one.later === 0 ? "" : `, arrives ${seconds(Math.abs(one.later))} ${one.later > 0 ? "later" : "sooner"}`;
+    const later = one.later === 0 ? "" : `, ${seconds(Math.abs(one.later))} ${one.later > 0 ? "later" : "sooner"}`;
     return element(
       "li", {},
       element(
