@@ -108,7 +108,7 @@ def free_space_of(tree: Mapping[str, Any], folder: Path) -> tuple[FreeSpace, tup
         floor = read_floor(spec)
     except MapError as error:
         raise SceneError(f"{error.path}: {error.text}") from error
-    notes = tuple(note.text for note in floor.notes)
+    notes = tuple(note.sentence for note in floor.notes)
     return FreeSpace.from_polygon(floor.area, None, floor.slits), notes
 
 

@@ -21,6 +21,8 @@ KEY = "map.file"
 ENCLOSED = 0.5
 # So many parts are listed by their areas.
 MOST_PARTS = 5
+# What is done to shapes that are not simple.
+MENDING = "mended: what is in doubt is not free"
 
 
 def assembled(drawing: Drawing, options: FileOptions) -> Floor:
@@ -60,7 +62,11 @@ def assembled(drawing: Drawing, options: FileOptions) -> Floor:
     area = parts[0] if len(parts) == 1 else shapely.MultiPolygon(list(parts))
     if not area.is_valid:
         area = shapely.union_all(parts)
-    return Floor(area, None, tuple(walls), tuple(Note(KEY, text) for text in notes))
+    said = [
+        *(Note(KEY, text, MENDING) for text in drawing.mended),
+        *(Note(KEY, text) for text in notes),
+    ]
+    return Floor(area, None, tuple(walls), tuple(said))
 
 
 def _base(drawing: Drawing, walls: Sequence[FloatArray], notes: list[str]) -> Any:

@@ -115,7 +115,8 @@ class Drawing:
         grid: side of a cell, in units, where the file is a grid.
         height: of the whole grid, in units.
         names: layers, groups or levels to choose from.
-        notes: what was left out or mended.
+        notes: what was left out.
+        mended: what is not simple, and is mended.
     """
 
     floors: tuple[Any, ...] = ()
@@ -132,6 +133,7 @@ class Drawing:
     height: float | None = None
     names: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    mended: tuple[str, ...] = ()
 
     @property
     def shapes(self) -> list[Any]:
@@ -235,7 +237,7 @@ def finite(value: Any, what: str, line: int | None = None) -> float:
 def repaired(
     shapes: Sequence[Any], what: str, *, blocked: bool = False
 ) -> tuple[tuple[Any, ...], tuple[str, ...]]:
-    """Polygons made valid, those without area left out, and a note where that changed any.
+    """Polygons made valid, those without area left out, and what was mended for it.
 
     What is in doubt is not free, as `stplan.maps.repair` has it.
 
@@ -256,7 +258,7 @@ def repaired(
         whole = [whole_shape(shape, blocked=blocked) for shape in array[bad]]
         array[bad] = [one.area for one in whole]
         fault = next((one.faults[0] for one in whole if one.faults), "has holes that meet its edge")
-        notes.append(f"{int(bad.sum())} {what} were mended, of which the first {fault}")
+        notes.append(f"{int(bad.sum())} {what} are not simple, of which the first {fault}")
     parts = shapely.get_parts(array)
     parts = parts[shapely.get_type_id(parts) == shapely.GeometryType.POLYGON]
     return tuple(parts[shapely.area(parts) > 0]), tuple(notes)

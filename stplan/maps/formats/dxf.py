@@ -85,7 +85,7 @@ def read_dxf(file: FileContent, options: FileOptions, beside: Beside) -> Drawing
     blocked, more = repaired(reader.blocked, "shapes", blocked=True)
     return Drawing(
         floors=floors, blocked=blocked, walls=tuple(reader.walls), unit=unit or 1.0,
-        names=tuple(reader.layers), notes=(*notes, *mended, *more),
+        names=tuple(reader.layers), notes=tuple(notes), mended=mended + more,
     )  # fmt: skip
 
 

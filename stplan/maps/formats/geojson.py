@@ -70,13 +70,13 @@ def read_geojson(file: FileContent, options: FileOptions, beside: Beside) -> Dra
             walls.append(np.asarray(shapely.get_coordinates(shape)))
         else:
             (floors if is_floor else blocked).append(shape)
-    mended, notes = repaired(floors, "polygons")
+    whole, mended = repaired(floors, "polygons")
     cut, more = repaired(blocked, "obstacles", blocked=True)
     if left:
         more += (f"{left} shapes of other kinds were left out",)
     drawing = Drawing(
-        floors=mended, blocked=cut, walls=tuple(walls), spots=spots, names=tuple(kinds),
-        notes=notes + more,
+        floors=whole, blocked=cut, walls=tuple(walls), spots=spots, names=tuple(kinds),
+        mended=mended + more,
     )  # fmt: skip
     return drawing if options.scale is not None else _projected(drawing)
 

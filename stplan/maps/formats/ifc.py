@@ -58,13 +58,13 @@ def read_ifc(file: FileContent, options: FileOptions, beside: Beside) -> Drawing
         raise
     except Exception as error:  # shapes of a damaged file may raise anything at all
         raise FormatError("has shapes that cannot be made") from error
-    whole, notes = repaired(floors, "slabs")
+    whole, mended = repaired(floors, "slabs")
     solid, more = repaired(blocked, "walls", blocked=True)
     if len(names) > 1 and options.level is None:
         more += (
             f"is read on the storey {chosen}; map.level chooses among the others: {', '.join(names[1:20])}",
         )
-    return Drawing(floors=whole, blocked=solid, names=tuple(names), notes=notes + more)
+    return Drawing(floors=whole, blocked=solid, names=tuple(names), mended=mended + more)
 
 
 def _cut(model: Any, storey: Any) -> tuple[list[Any], list[Any]]:

@@ -53,7 +53,7 @@ def read_scenario(file: FileContent, options: FileOptions, beside: Beside) -> Dr
     """
     del options, beside
     tree = read_json_tree(file.content)
-    floors, notes = repaired(_area(tree), "polygons")
+    floors, mended = repaired(_area(tree), "polygons")
     regions: dict[str, Any] = {}
     flows = []
     for group in _GROUPS:
@@ -97,7 +97,7 @@ def read_scenario(file: FileContent, options: FileOptions, beside: Beside) -> Dr
     ]
     cut, more = repaired(blocked, "obstacles", blocked=True)
     return Drawing(
-        floors=floors, blocked=cut, regions=regions, flows=tuple(flows), notes=notes + more
+        floors=floors, blocked=cut, regions=regions, flows=tuple(flows), mended=mended + more
     )
 
 

@@ -55,7 +55,7 @@ def read_scene(file: FileContent, options: FileOptions, beside: Beside) -> Drawi
         else:
             outlines.append(shapely.Polygon(corners))
     agents = _agents(root)
-    solid, notes = repaired(blocked, "obstacles", blocked=True)
+    solid, mended = repaired(blocked, "obstacles", blocked=True)
     floors, more = repaired(outlines, "outlines")
     everything = [
         *solid,
@@ -71,7 +71,7 @@ def read_scene(file: FileContent, options: FileOptions, beside: Beside) -> Drawi
             if floor not in around
         ]
     return Drawing(
-        floors=tuple(around), blocked=solid, walls=tuple(walls), agents=agents, notes=notes + more,
+        floors=tuple(around), blocked=solid, walls=tuple(walls), agents=agents, mended=mended + more,
         margin=_MARGIN,
     )  # fmt: skip
 

@@ -40,7 +40,7 @@ def read_building(file: FileContent, options: FileOptions, beside: Beside) -> Dr
         known = ", ".join(list(levels)[:20])
         raise FormatError(f"has no level {name!r}; it has: {known or 'none'}")
     level = _Level(name, levels[name], metric=_metric(tree))
-    floors, notes = repaired(level.areas("floors"), "floors")
+    floors, mended = repaired(level.areas("floors"), "floors")
     holes, more = repaired(level.areas("holes"), "holes", blocked=True)
     doors = level.lines("doors")
     walls = level.lines("walls") + ([] if options.doors else doors)
@@ -59,7 +59,7 @@ def read_building(file: FileContent, options: FileOptions, beside: Beside) -> Dr
         more += (f"is read on the level {name}; map.level chooses among the others: {others}",)
     return Drawing(
         floors=floors, blocked=holes, walls=tuple(walls), unit=level.unit, spots=level.spots,
-        agents=level.robots, names=tuple(levels), notes=notes + more,
+        agents=level.robots, names=tuple(levels), mended=mended + more,
     )  # fmt: skip
 
 

@@ -251,7 +251,7 @@ class _Painter:
             blocked, more = repaired(self.blocked, "shapes", blocked=True)
             return Drawing(
                 floors=floors, blocked=blocked, walls=tuple(self.walls), names=tuple(self.names),
-                notes=(*notes, *mended, *more),
+                notes=notes, mended=mended + more,
             )  # fmt: skip
         if not self.painted:
             raise FormatError("draws nothing")
@@ -269,7 +269,7 @@ class _Painter:
             raise FormatError(
                 "leaves no floor: everything is painted dark (map.floor names what is floor)"
             )
-        return Drawing(floors=floors, names=tuple(self.names), notes=(*notes, *mended))
+        return Drawing(floors=floors, names=tuple(self.names), notes=notes, mended=mended)
 
 
 def _in_turn(painted: list[tuple[bool, Any]]) -> Iterator[tuple[bool, Any]]:

@@ -41,7 +41,7 @@ def read_scenario(file: FileContent, options: FileOptions, beside: Beside) -> Dr
     frame = finite(attributes.get("boundingBoxWidth", 0.0), f"{path}attributes.boundingBoxWidth")
     if attributes.get("bounded", True) and frame > 0:
         floor = shapely.buffer(floor, -frame, join_style="mitre")
-    blocked, notes = repaired(
+    blocked, mended = repaired(
         [
             _shape(_member(obstacle, "shape", f"{path}obstacles[{k}]"), f"{path}obstacles[{k}].shape")
             for k, obstacle in enumerate(members(topography, "obstacles", path))
@@ -63,10 +63,9 @@ def read_scenario(file: FileContent, options: FileOptions, beside: Beside) -> Dr
         for key in _LEFT_OUT
         if members(topography, key, path)
     ]
-    if left:
-        notes += (f"{', '.join(left)} were left out",)
     return Drawing(
-        floors=(floor,), blocked=blocked, regions=regions, notes=notes,
+        floors=(floor,), blocked=blocked, regions=regions, mended=mended,
+        notes=(f"{', '.join(left)} were left out",) if left else (),
         agents=_pedestrians(topography, path, regions, radius),
         flows=_flows(topography, path, regions, radius, speed),
     )  # fmt: skip

@@ -82,12 +82,11 @@ def drawing_of(shapes: list[shapely.Geometry]) -> Drawing:
     """Polygons as floor, lines as walls; points are left out."""
     areas = [one for one in shapes if isinstance(one, shapely.Polygon)]
     lines = [one for one in shapes if isinstance(one, shapely.LineString | shapely.LinearRing)]
-    floors, notes = repaired(areas, "polygons")
+    floors, mended = repaired(areas, "polygons")
     left = len(shapes) - len(areas) - len(lines)
-    if left:
-        notes += (f"{left} points were left out",)
+    notes = (f"{left} points were left out",) if left else ()
     walls = tuple(np.asarray(shapely.get_coordinates(line)) for line in lines)
-    return Drawing(floors=floors, walls=walls, notes=notes)
+    return Drawing(floors=floors, walls=walls, notes=notes, mended=mended)
 
 
 WKT = ForeignFormat("well-known text", (".wkt",), read_wkt)

@@ -142,10 +142,37 @@ def test_dirty_polygons_are_mended_with_a_note(tmp_path: Path) -> None:
     assert floor.area.is_valid
     assert floor.area.area == 8
     assert any(
-        "1 polygons were mended, of which the first touches or crosses itself at (2, 2)"
-        in note.text
+        "1 polygons are not simple, of which the first touches or crosses itself at (2, 2); mended"
+        in note.sentence
         for note in floor.notes
     )
+
+
+SPARED = "of which the first touches or crosses itself at .*; map.repair: true mends it"
+
+
+@pytest.mark.parametrize("wanted", [True, None, False])
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("bow.wkt", "POLYGON ((0 0, 4 4, 4 0, 0 4, 0 0))"),
+        (
+            "bow.geojson",
+            '{"type": "Polygon", "coordinates": [[[0, 0], [4, 4], [4, 0], [0, 4], [0, 0]]]}',
+        ),
+    ],
+)
+def test_dirty_polygons_are_refused_where_nothing_is_to_be_mended(
+    name: str, content: str, wanted: bool | None, tmp_path: Path
+) -> None:
+    (tmp_path / name).write_text(content)
+    options = {"file": name} | ({} if wanted is None else {"repair": wanted})
+    dirty = scene(json.dumps(options), folder=tmp_path)
+    if wanted is False:
+        with pytest.raises(SceneError, match=SPARED):
+            build_free_space(dirty)
+    else:
+        assert build_free_space(dirty).polygon.area == 8
 
 
 def test_what_is_in_doubt_in_a_file_is_not_free() -> None:
