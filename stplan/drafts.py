@@ -5,7 +5,8 @@ differ more than their starts do, so all rivals of the portfolio are asked; one 
 more than the best is asked no more. The cheapest draft is then improved by large-neighbourhood search, and
 only the cheapest of different homotopy classes are tightened and given their knots.
 
-All efforts are counted, so the clock decides whether something is found, never what.
+All efforts are counted. The time limit is the only clock: a draft that is not made in time is not made at
+all, and some of the limit is kept for the preparation of those that are.
 """
 
 from __future__ import annotations
@@ -14,13 +15,13 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from stplan.analysis.own_costs import own_costs
-from stplan.compiled import working_time
+from stplan.deadline import OutOfTimeError, until
 from stplan.errors import SeedingError
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import held_requirement
 from stplan.problem.world_lines import WorldLines
 from stplan.seeding.homotopy import signature
-from stplan.seeding.portfolio import Portfolio, Rival, Seed
+from stplan.seeding.portfolio import Portfolio, Rival, Seed, attempted
 from stplan.seeding.search.seed_improvement import ROUNDS, improve_seed, worthwhile_moves
 from stplan.seeding.seeder import Budget, SeedAttempt
 from stplan.seeding.shortcutting.shortcuts import take_shortcuts
@@ -33,6 +34,8 @@ SWEEPS_A_FAILURE = 200
 IMPROVED = 3
 # Seeds prepared beyond those that are optimised: preparing changes who is cheapest.
 SPARES = 1
+# Share of the time limit that is left to those who compete: the rest is for the preparation.
+COMPETITION = 0.8
 
 
 @dataclass(frozen=True)
@@ -52,7 +55,12 @@ class Draft:
 
 
 def tight_seeds(
-    problem: PlanningProblem, portfolio: Portfolio, first: SeedAttempt, share: float, most: int
+    problem: PlanningProblem,
+    portfolio: Portfolio,
+    first: SeedAttempt,
+    share: float,
+    most: int,
+    budget: Budget,
 ) -> tuple[Seed, ...]:
     """Seeds of different classes, the cheapest first, all that `first` and its rivals lead to.
 
@@ -60,22 +68,31 @@ def tight_seeds(
         problem: as the scene has it; the portfolio's may have a smaller map.
         share: factor on the starts and moves that the scene is worth.
         most: how many will be optimised.
+        budget: with the deadline of all of it.
 
     Raises:
         SeedingError: none could be prepared.
     """
-    maker = _Drafts(problem, portfolio)
-    drafts = [maker.draft(first, problem.scene.seeding.rng_seed)]
+    maker = _Drafts(problem, portfolio, competing(problem, budget))
+    drafts = [maker.draft(first, budget.rng_seed)]
     for rival in portfolio.rivals:
         drafts += maker.compete(rival, share, min(draft.cost for draft in drafts))
     drafts += maker.improved(min(drafts, key=_cost), share)
-    return maker.prepared(_distinct(problem, sorted(drafts, key=_cost)), most + SPARES)
+    distinct = _distinct(problem, sorted(drafts, key=_cost))
+    return maker.prepared(distinct, most + SPARES, budget.deadline)
+
+
+def competing(problem: PlanningProblem, budget: Budget) -> Budget:
+    """`budget` for seeds that compete with the first one: of the limit some is left when they end."""
+    kept = (1.0 - COMPETITION) * problem.scene.seeding.time_limit
+    return replace(budget, deadline=budget.deadline - kept)
 
 
 class _Drafts:
-    def __init__(self, problem: PlanningProblem, portfolio: Portfolio) -> None:
+    def __init__(self, problem: PlanningProblem, portfolio: Portfolio, budget: Budget) -> None:
         self._problem = problem
         self._portfolio = portfolio
+        self._budget = budget
         self._starts = 0
 
     def draft(self, found: SeedAttempt, rng_seed: int) -> Draft:
@@ -86,11 +103,11 @@ class _Drafts:
     def compete(self, rival: Rival, share: float, best: float) -> Iterator[Draft]:
         """Drafts of a rival, as long as it does not fail, and costs about as little as the `best`."""
         failures = 0.0
-        rng_seed = self._problem.scene.seeding.rng_seed
+        rng_seed = self._budget.rng_seed
         for start in range(round(share * rival.starts)):
-            if failures >= rival.patience:
+            if failures >= rival.patience or self._budget.spent():
                 break
-            found = rival.seeder.attempt(self._budget(rng_seed + start))
+            found = attempted(rival.seeder, replace(self._budget, rng_seed=rng_seed + start))
             failures += 1.0 + (found.record.sweeps or 0) / SWEEPS_A_FAILURE
             if found.clear:
                 draft = self.draft(found, rng_seed + start)
@@ -102,25 +119,30 @@ class _Drafts:
         """The cheapest states of different classes that large-neighbourhood search leads to."""
         levels = self._portfolio.levels
         moves = 0 if levels is None else round(share * worthwhile_moves(levels))
-        if levels is None or not moves:
+        if levels is None or not moves or self._budget.spent():
             return []
-        budget = self._budget(draft.rng_seed)
-        found = improve_seed(levels, draft.attempt, moves, budget, keep=IMPROVED)
+        budget = replace(self._budget, rng_seed=draft.rng_seed)
+        with until(budget.deadline):
+            try:
+                found = improve_seed(levels, draft.attempt, moves, budget, keep=IMPROVED)
+            except OutOfTimeError:
+                return []
         return [
             self._shortened(one, draft.start, draft.rng_seed)
             for one in found
             if one is not draft.attempt
         ]
 
-    def prepared(self, drafts: Iterable[Draft], most: int) -> tuple[Seed, ...]:
+    def prepared(self, drafts: Iterable[Draft], most: int, deadline: float) -> tuple[Seed, ...]:
         """Up to `most` of the drafts as seeds of different classes, the cheapest first."""
         seeds: dict[bytes, Seed] = {}
         failed: SeedingError | None = None
         for draft in drafts:
-            if len(seeds) == most:
+            budget = replace(self._budget, rng_seed=draft.rng_seed, deadline=deadline)
+            if len(seeds) == most or ((seeds or failed) and budget.spent()):
                 break
             try:
-                seed = self._portfolio.seed(draft.attempt, self._budget(draft.rng_seed))
+                seed = self._portfolio.seed(draft.attempt, budget)
             except SeedingError as error:
                 failed = failed or error
                 continue
@@ -133,18 +155,18 @@ class _Drafts:
         return tuple(sorted(seeds.values(), key=lambda seed: self._own_cost(seed.world_lines)))
 
     def _shortened(self, found: SeedAttempt, start: int, rng_seed: int) -> Draft:
+        """As far as time allows: shortened for all rounds or not at all."""
         problem, required = self._portfolio.problem, self._portfolio.required
         held = held_requirement(problem, found.curves, required)
-        curves = take_shortcuts(problem, found.curves, held, rng_seed=rng_seed, rounds=ROUNDS)
+        with until(self._budget.deadline):
+            curves = take_shortcuts(problem, found.curves, held, rng_seed=rng_seed, rounds=ROUNDS)
+        if self._budget.spent():
+            curves = found.curves
         lines = WorldLines.from_curves(problem.agent_ids, curves)
         return Draft(replace(found, curves=curves), start, rng_seed, self._own_cost(lines))
 
     def _own_cost(self, lines: WorldLines) -> float:
         return float(own_costs(self._problem.scene, lines).sum())
-
-    def _budget(self, rng_seed: int) -> Budget:
-        """A whole time limit for every start, so that one that is slow leaves the others as they are."""
-        return Budget(rng_seed, working_time() + self._problem.scene.seeding.time_limit)
 
 
 def _cost(draft: Draft) -> float:

@@ -17,7 +17,7 @@ import numpy as np
 from stplan.analysis.own_costs import own_costs
 from stplan.certify.pair_clearance import nearest_moments
 from stplan.compiled import working_time
-from stplan.drafts import tight_seeds
+from stplan.drafts import competing, tight_seeds
 from stplan.errors import SeedingError
 from stplan.problem.arrivals import hurried
 from stplan.problem.launches import Launches
@@ -34,6 +34,8 @@ from stplan.seeding.seeder import Budget, Progress
 STARTS_A_CONFLICT = 1.4
 MOST_STARTS = 24
 RELAXED_PAIRS = 15_000
+# Share of the time limit for an earlier horizon.
+HASTE = 0.5
 
 
 @dataclass(frozen=True)
@@ -68,9 +70,9 @@ class Contest:
 def best_seeds(problem: PlanningProblem, *, progress: Progress) -> Contest:
     """Seeds to choose from.
 
-    They come from `seeding.rng_seed` and the numbers after it. Each may take a `seeding.time_limit` of its
-    own, so that one that is slow leaves the others as they are. Where nobody has a use for the horizon, an
-    earlier one is tried first, for half the time.
+    They come from `seeding.rng_seed` and the numbers after it. All of them share `seeding.time_limit`: what
+    is found by then competes. Where nobody has a use for the horizon, an earlier one is tried first, for
+    half the time.
 
     Raises:
         SeedingError: there is none; its reasons are in the user's units.
@@ -105,37 +107,35 @@ def _of_whole(launches: Launches, reason: Reason) -> Reason:
 def _contest(problem: PlanningProblem, progress: Progress) -> Contest:
     """Seeds within an earlier horizon where there is one and it leads to any, else within the scene's."""
     sooner = hurried(problem.scene)
-    if sooner is None:
-        return _best_seeds(problem, progress)
     limit, began = problem.scene.seeding.time_limit, working_time()
+    budget = Budget(problem.scene.seeding.rng_seed, began + limit, progress)
+    if sooner is None:
+        return _best_seeds(problem, budget, budget.deadline)
     early = np.array([agent.max_time for agent in sooner.agents])
     try:
-        return _best_seeds(
-            _limited(replace(problem, scene=sooner, max_times=early), 0.5 * limit), progress
-        )
+        hasty = replace(problem, scene=sooner, max_times=early)
+        return _best_seeds(hasty, budget, began + HASTE * limit)
     except SeedingError:
-        return _best_seeds(_limited(problem, limit - (working_time() - began)), progress)
+        return _best_seeds(problem, budget, budget.deadline)
 
 
-def _limited(problem: PlanningProblem, limit: float) -> PlanningProblem:
-    """`problem` with another `seeding.time_limit`, s."""
-    seeding = replace(problem.scene.seeding, time_limit=limit)
-    return replace(problem, scene=replace(problem.scene, seeding=seeding))
-
-
-def _best_seeds(problem: PlanningProblem, progress: Progress) -> Contest:
-    scene, settings = problem.scene, problem.scene.seeding
-    portfolio = prepare_portfolio(problem)
+def _best_seeds(problem: PlanningProblem, budget: Budget, first_deadline: float) -> Contest:
+    """Seeds of `problem`: the first found by `first_deadline` (s of `working_time`), all by the budget's."""
+    scene, progress = problem.scene, budget.progress
+    early = replace(budget, deadline=first_deadline)
+    portfolio = prepare_portfolio(problem, first_deadline)
     effort = EFFORTS[scene.solver.effort]
-    budget = Budget(settings.rng_seed, working_time() + settings.time_limit, progress)
     if scene.minimise != "energy":
         # What competing seeds cost says nothing of arrivals.
-        return Contest((portfolio.find(budget),), 1)
+        return Contest((portfolio.find(early),), 1)
     if portfolio.rivals and scene.solver.starts is None and effort.starts_share > 0.0:
         most = max(1, min(effort.finalists, AGENTS_A_FINALIST // problem.num_agents))
-        first = portfolio.first_clear(budget)
-        return Contest(tight_seeds(problem, portfolio, first, effort.starts_share, most), most)
-    every = list(_starts(problem, portfolio, budget, effort.starts_share))
+        first = portfolio.first_clear(early)
+        seeds = tight_seeds(problem, portfolio, first, effort.starts_share, most, budget)
+        return Contest(seeds, most)
+    seed = portfolio.find(early)
+    others = competing(problem, budget)
+    every = [seed, *_starts(problem, portfolio, seed, others, effort.starts_share)]
     found = [
         replace(seed, record=replace(seed.record, starts=len(every), start=number))
         for number, seed in enumerate(every, start=1)
@@ -149,16 +149,15 @@ def _best_seeds(problem: PlanningProblem, progress: Progress) -> Contest:
 
 
 def _starts(
-    problem: PlanningProblem, portfolio: Portfolio, budget: Budget, share: float
+    problem: PlanningProblem, portfolio: Portfolio, first: Seed, budget: Budget, share: float
 ) -> Iterator[Seed]:
-    """The first seed, and those of as many other starts as were asked for, or as are worth it."""
-    first = portfolio.find(budget)
-    yield first
-    asked, settings = problem.scene.solver.starts, problem.scene.seeding
+    """Seeds of as many starts besides the first as were asked for, or as are worth it."""
+    asked = problem.scene.solver.starts
     for start in range(1, asked or _worthwhile_starts(problem, first, share)):
+        if budget.spent():
+            break
         try:
-            deadline = working_time() + settings.time_limit
-            yield portfolio.find(Budget(settings.rng_seed + start, deadline))
+            yield portfolio.find(Budget(budget.rng_seed + start, budget.deadline))
         except SeedingError:
             continue
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -45,12 +46,12 @@ def seeds(
     portfolio: Portfolio, first: SeedAttempt, *rivals: Rival, share: float = 1.0, most: int = 3
 ):
     portfolio = replace(portfolio, rivals=rivals)
-    return tight_seeds(portfolio.problem, portfolio, first, share, most)
+    return tight_seeds(portfolio.problem, portfolio, first, share, most, Budget())
 
 
 def test_seeds_are_clear_of_different_classes_and_sorted(portfolio, first):
     problem = portfolio.problem
-    found = tight_seeds(problem, portfolio, first, 1.0, 2)
+    found = tight_seeds(problem, portfolio, first, 1.0, 2, Budget())
     costs = [own_cost(problem.scene, seed.world_lines) for seed in found]
     assert 1 < len(found) <= 3
     assert costs == sorted(costs)
@@ -62,7 +63,9 @@ def test_seeds_are_clear_of_different_classes_and_sorted(portfolio, first):
 
 
 def test_same_seeds_every_time(portfolio, first):
-    one, two = (tight_seeds(portfolio.problem, portfolio, first, 1.0, 2) for _ in range(2))
+    one, two = (
+        tight_seeds(portfolio.problem, portfolio, first, 1.0, 2, Budget()) for _ in range(2)
+    )
     assert [seed.world_lines.knots.tobytes() for seed in one] == [
         seed.world_lines.knots.tobytes() for seed in two
     ]
@@ -89,7 +92,8 @@ def test_a_rival_that_is_far_too_dear_is_asked_no_more(portfolio, first, monkeyp
 
     monkeypatch.setattr("stplan.drafts.take_shortcuts", dearer)
     rivals = [Rival(one, 3, patience=1) for one in (cheap, dear)]
-    tight_seeds(portfolio.problem, replace(portfolio, rivals=rivals, levels=None), first, 1.0, 1)
+    alone = replace(portfolio, rivals=rivals, levels=None)
+    tight_seeds(portfolio.problem, alone, first, 1.0, 1, Budget())
     assert (cheap.asked, dear.asked) == (3, 1)
 
 
@@ -101,8 +105,6 @@ def test_no_share_asks_nobody(portfolio, first):
 
 
 def test_what_cannot_be_prepared_is_said(portfolio, first):
-    late = replace(portfolio.problem.scene.seeding, time_limit=-1.0)
-    scene = replace(portfolio.problem.scene, seeding=late)
-    problem = replace(portfolio.problem, scene=scene)
-    with pytest.raises(SeedingError):
-        tight_seeds(problem, replace(portfolio, problem=problem, rivals=()), first, 0.0, 1)
+    late = Budget(deadline=-math.inf)
+    with pytest.raises(SeedingError, match="not shortened and given their knots within"):
+        tight_seeds(portfolio.problem, replace(portfolio, rivals=()), first, 0.0, 1, late)

@@ -118,7 +118,7 @@ class Proposals:
     @cached_property
     def ways(self) -> list[FloatArray | None]:
         """Every agent's shortest way at an even pace, None where none is known."""
-        return geodesic_curves(self._problem)
+        return geodesic_curves(self._problem, self._levels.ways)
 
     def start_from(self, curves: Sequence[FloatArray], excess: FloatArray) -> None:
         """Propose changes to `curves`, whose agents pay `excess` (A,) beyond their own least cost."""

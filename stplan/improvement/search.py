@@ -13,6 +13,7 @@ their limits come from.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -22,6 +23,7 @@ from stplan.analysis.own_costs import own_costs
 from stplan.arrays import FloatArray
 from stplan.certify.certificate import Certificate, certify
 from stplan.compiled import working_time
+from stplan.deadline import OutOfTimeError, until
 from stplan.improvement.budget import ImprovementBudget
 from stplan.improvement.proposals import MOVES, Proposals
 from stplan.improvement.trials import Trials
@@ -194,7 +196,11 @@ class _Search:
         return self._stop() or working_time() > self._deadline
 
     def move(self) -> None:
-        """Try one move, and keep the plan it leads to where that is cheaper and certified."""
+        """Try one move, and keep the plan it leads to where that is cheaper and certified, in time."""
+        with until(self._deadline), suppress(OutOfTimeError):
+            self._move()
+
+    def _move(self) -> None:
         if not self._known:
             self._take_up()
         worth = np.array([tally.worth for tally in self._tallies.values()])

@@ -8,7 +8,8 @@ seeder alone, `dijkstra` the paper's own. Whatever found them, curves are shorte
 proven clear.
 
 All seeders share one time limit. Efforts are counted, so it never decides which curves are found, only
-whether any are.
+whether any are. Whatever takes long looks at the clock as it goes (`stplan.deadline`), so that all ends soon
+after the limit.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray
 from stplan.compiled import working_time
+from stplan.deadline import OutOfTimeError, until
 from stplan.errors import SeedingError
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement, requirement
@@ -172,7 +174,7 @@ class Portfolio:
         """
         reasons: list[Reason] = []
         for seeder in self.seeders:
-            found = seeder.attempt(budget)
+            found = attempted(seeder, budget)
             if found.clear:
                 return found
             reasons += found.reasons
@@ -181,7 +183,7 @@ class Portfolio:
         late = budget.spent() or not reasons
         reasons += remedies(self.problem, reasons)
         if late:
-            reasons.append(Reason("time limit", figures={"limit": self._time_limit}))
+            reasons.append(out_of_limit(self.problem))
         raise SeedingError(reasons)
 
     @property
@@ -196,20 +198,32 @@ class Portfolio:
         budget = replace(budget, deadline=budget.deadline + PREPARATION_TIME * settings.time_limit)
         curves, problem = found.curves, self.problem
         hasty = problem.scene.minimise != "energy"
-        if hasty:
-            problem = arriving_as(problem, curves)
-        elif settings.method != SequentialDijkstra.name and found.found_by != Relaxation.name:
-            curves = tighten(
-                problem, curves, self.required, rng_seed=budget.rng_seed, stopped=budget.spent
-            )
-        curves = prepare_seed(
-            problem, curves, self.required,
-            num_knots=problem.scene.solver.knots, rng_seed=budget.rng_seed,
-            stopped=budget.spent,
-        )  # fmt: skip
+        with until(budget.deadline):
+            if hasty:
+                problem = arriving_as(problem, curves)
+            elif settings.method != SequentialDijkstra.name and found.found_by != Relaxation.name:
+                curves = tighten(problem, curves, self.required, rng_seed=budget.rng_seed)
+            curves = prepare_seed(
+                problem, curves, self.required,
+                num_knots=problem.scene.solver.knots, rng_seed=budget.rng_seed,
+            )  # fmt: skip
         if budget.spent():
             raise SeedingError([Reason("unprepared", figures={"limit": self._time_limit})])
         return compressed(problem, curves) if hasty else curves
+
+
+def attempted(seeder: Seeder, budget: Budget) -> SeedAttempt:
+    """What a seeder finds until the deadline of `budget`."""
+    with until(budget.deadline):
+        try:
+            return seeder.attempt(budget)
+        except OutOfTimeError:
+            return SeedAttempt(type(seeder).__name__)
+
+
+def out_of_limit(problem: PlanningProblem) -> Reason:
+    """That nothing was found within the time limit."""
+    return Reason("time limit", figures={"limit": problem.scene.seeding.time_limit})
 
 
 def find_seed(
@@ -224,15 +238,24 @@ def find_seed(
         problem = replace(problem, scene=replace(problem.scene, seeding=settings))
     settings = problem.scene.seeding
     deadline = working_time() + settings.time_limit
-    return prepare_portfolio(problem).find(Budget(settings.rng_seed, deadline, progress))
+    portfolio = prepare_portfolio(problem, deadline)
+    return portfolio.find(Budget(settings.rng_seed, deadline, progress))
 
 
-def prepare_portfolio(problem: PlanningProblem) -> Portfolio:
-    """What all seeding of `problem` shares.
+def prepare_portfolio(problem: PlanningProblem, deadline: float = float("inf")) -> Portfolio:
+    """What all seeding of `problem` shares, made until `deadline` (s of `working_time`).
 
     Raises:
-        SeedingError: it is proven that there are no curves.
+        SeedingError: it is proven that there are no curves, or the deadline has passed.
     """
+    with until(deadline):
+        try:
+            return _portfolio(problem)
+        except OutOfTimeError as error:
+            raise SeedingError([out_of_limit(problem)]) from error
+
+
+def _portfolio(problem: PlanningProblem) -> Portfolio:
     problem, rendezvous = with_rendezvous(problem)
     reasons = hopeless(problem) or out_of_time(problem)
     if reasons:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
+from stplan.deadline import heed
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.interactions import Meeting
 
@@ -65,6 +66,7 @@ def with_rendezvous(
         itineraries.append(_Itinerary(stops, times))
     found = []
     for meeting in problem.meetings:
+        heed()
         place = _place(problem, meeting, itineraries)
         if place is not None:
             found.append(place)

@@ -9,6 +9,7 @@ import shapely
 
 from stplan.amounts import amount, distinct, place
 from stplan.arrays import FloatArray
+from stplan.deadline import heed
 from stplan.errors import SceneError
 from stplan.scene.model import Agent, Scene
 from stplan.scene.places import Place
@@ -118,6 +119,7 @@ def cut_off_agents(
         if len(points) == 0:
             continue
         if radius not in shrunk:
+            heed()
             shrunk[radius] = _parts(free_space, radius)
         if not _connected(shrunk[radius], points):
             found.append(agent)
@@ -133,6 +135,7 @@ def widest_passage(free_space: FreeSpace, stops: FloatArray, radius: float) -> f
     if not _connected(shapely.STRtree(shapely.get_parts(free_space.polygon)), stops):
         return 0.0
     for _ in range(20):
+        heed()
         middle = (low + high) / 2
         if _connected(_parts(free_space, middle), stops):
             low = middle
@@ -152,6 +155,7 @@ def widest_crack(free_space: FreeSpace, stops: FloatArray, radius: float) -> flo
     if not _connected_across(free_space, stops, radius, high):
         return 0.0
     while high - low > 0.02 * high:
+        heed()
         middle = (low + high) / 2 if low else high / 10
         if _connected_across(free_space, stops, radius, middle):
             high = middle

@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray
+from stplan.deadline import passed
 from stplan.problem.clearance import wall_clearance
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement
@@ -72,7 +73,7 @@ def relax(
     num_knots: int = RELAXATION_KNOTS,
     rng_seed: int = 0,
     max_sweeps: int = MOST_SWEEPS,
-    stopped: Callable[[], bool] = lambda: False,
+    stopped: Callable[[], bool] = passed,
 ) -> SeedAttempt:
     """Push rods apart until they hold what is `required`, until the sweeps are used up, or until `stopped`.
 

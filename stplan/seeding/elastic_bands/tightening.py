@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from stplan.arrays import FloatArray
+from stplan.deadline import passed
 from stplan.problem.kinetic_cost import total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement, held_requirement
@@ -25,7 +26,7 @@ def tighten(
     required: Requirement,
     *,
     rng_seed: int = 0,
-    stopped: Callable[[], bool] = lambda: False,
+    stopped: Callable[[], bool] = passed,
 ) -> list[FloatArray]:
     """Clear curves at most as dear as the shortened `curves`; once `stopped`, as far as they have come.
 

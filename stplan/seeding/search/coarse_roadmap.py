@@ -13,6 +13,7 @@ import numpy as np
 import shapely
 
 from stplan.arrays import FloatArray
+from stplan.deadline import heed
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement
 from stplan.seeding.search.graph import make_graph
@@ -45,6 +46,7 @@ def coarse_roadmap(
     region = box_around(places, 4.0 * apart) if space is None else space.polygon
     if region.area > MOST_VERTICES * apart * apart:
         return None
+    heed()
     offers = [_lattice(places, region, apart)]
     if space is not None:
         middles, room = medial_points(space, radii, apart / 4)
@@ -54,6 +56,7 @@ def coarse_roadmap(
     others = np.vstack(offers)
     if space is not None:
         others = others[space.clearance(others) > least]
+    heed()
     points = thinned(
         np.vstack([places, others]),
         np.concatenate([np.zeros(len(places)), np.full(len(others), apart)]),
@@ -61,6 +64,7 @@ def coarse_roadmap(
     edges = delaunay_edges(points)
     step = points[edges[:, 1]] - points[edges[:, 0]]
     edges = edges[np.hypot(step[:, 0], step[:, 1]) <= LONGEST * apart]
+    heed()
     clearance = np.full(len(points) + len(edges), np.inf)
     if space is not None:
         along = space.segment_clearance(points[edges[:, 0]], points[edges[:, 1]])

@@ -19,6 +19,7 @@ from typing import ClassVar
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.deadline import heed
 from stplan.problem.verification import verify
 from stplan.reasons import Reason
 from stplan.seeding.margins import margin_ladder
@@ -68,9 +69,11 @@ def _empty(planner: LayeredPlanner, budget: Budget) -> tuple[list[FloatArray] | 
     """Curves of all agents, None where somebody finds none; and how many ways were sought."""
     planner.reset()
     left = _turns(planner)
-    guards = {agent: planner.guard(agent, planner.grid.count) for agent in left}
-    for blocks in guards.values():
-        planner.add(blocks)
+    guards = {}
+    for agent in left:
+        heed()
+        guards[agent] = planner.guard(agent, planner.grid.count)
+        planner.add(guards[agent])
     curves = [path if path is not None else np.empty((0, 3)) for path in planner.problem.paths]
     tries = 0
     while left:

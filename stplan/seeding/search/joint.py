@@ -14,9 +14,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.compiled import inlined, kernel
+from stplan.deadline import passed
 from stplan.geometry.growable import with_room
 from stplan.problem.clearance import rod_clearances
 from stplan.problem.planning_problem import PlanningProblem
@@ -24,10 +26,14 @@ from stplan.seeding.search.graph import UNREACHABLE, Graph
 from stplan.seeding.search.heap import drop_root, push
 from stplan.seeding.search.planner import LayeredPlanner
 
+StepArray = NDArray[np.int32]
+
 MOST_AGENTS = 3
 # More joint states than this are not searched.
 MOST_STATES = 40_000_000
 MOST_EXPANSIONS = 200_000
+# The clock is looked at every so many moves of agents that are tried.
+CHUNK = 500_000
 # Distances kept at equal times, in required distances, smallest first.
 WIDENINGS = (1.0, 1.03, 1.1, 1.2, 1.4)
 ORDERS_OF_OTHERS = 6
@@ -100,8 +106,30 @@ def _joint_steps(
         np.stack([journeys.free[agent] for agent in group]),
         apart,
     )  # fmt: skip
-    steps, exhausted = _search(members, graph, MOST_EXPANSIONS)
-    return (steps if len(steps) > 1 else None), exhausted
+    return _searched(members, graph)
+
+
+def _searched(group: Group, graph: Graph) -> tuple[IntArray | None, bool]:
+    """(n + 1, G) vertices, None where none were found; and whether all that can be reached was searched."""
+    size, num_states = len(group.start), graph.num_vertices ** len(group.start)
+    if (group.hops[np.arange(size), group.start] >= UNREACHABLE).any():
+        return None, True
+    front = Front(
+        np.full(num_states, -1, np.int64),
+        np.full(num_states, 1 << 30, np.int32),
+        np.empty((1 << 16, 3), np.int64),
+        np.zeros(2, np.int64),
+    )
+    _begin(group, graph.num_vertices, front)
+    while front.counts[0] > 0 and front.counts[1] < MOST_EXPANSIONS:
+        final, heap = _search(group, graph, front, MOST_EXPANSIONS, CHUNK)
+        front = front._replace(heap=heap)
+        if final >= 0:
+            steps = _walk_back(final, size, graph.num_vertices, front)
+            return (steps if len(steps) > 1 else None), False
+        if passed():
+            return None, False
+    return None, bool(front.counts[0] == 0)
 
 
 def timed_curves(
@@ -190,34 +218,74 @@ def _least_gap(x0: float, y0: float, x1: float, y1: float) -> float:
     return x * x + y * y
 
 
-@kernel
-def _search(group: Group, graph: Graph, max_expansions: int) -> tuple[IntArray, bool]:
-    """A* over joint states, fewest steps first: (n + 1, G) vertices, (0, G) if none were found.
+class Front(NamedTuple):
+    """How far a search has come over the V^G joint states.
 
-    The second result says whether all states that can be reached were searched.
+    Attributes:
+        parent: the state before, -1 without any.
+        steps: fewest steps to each state known so far.
+        heap: queue of states.
+        counts: entries of the queue, and states expanded.
+    """
+
+    parent: IntArray
+    steps: StepArray
+    heap: IntArray
+    counts: IntArray
+
+
+@inlined
+def _code(places: IntArray, num_vertices: int) -> int:
+    """The number of the state in which agents are at `places` (G,)."""
+    code = 0
+    for agent in range(len(places)):
+        code = code * num_vertices + places[agent]
+    return code
+
+
+@kernel
+def _begin(group: Group, num_vertices: int, front: Front) -> None:
+    """Enter the state in which everybody is at its start."""
+    origin = _code(group.start, num_vertices)
+    front.steps[origin] = 0
+    push(front.heap, 0, 0, origin, 0)
+    front.counts[0] = 1
+
+
+@kernel
+def _walk_back(state: int, size: int, num_vertices: int, front: Front) -> IntArray:
+    """(n + 1, G) vertices on the way to a state."""
+    count = front.steps[state]
+    path = np.empty((count + 1, size), np.int64)
+    for row in range(count, -1, -1):
+        code = state
+        for agent in range(size - 1, -1, -1):
+            path[row, agent] = code % num_vertices
+            code //= num_vertices
+        state = front.parent[state]
+    return path
+
+
+@kernel
+def _search(
+    group: Group, graph: Graph, front: Front, most: int, most_tried: int
+) -> tuple[int, IntArray]:
+    """A* over joint states, fewest steps first: the final state, -1 if not found yet; and the queue.
+
+    It goes on until `most` states have been expanded in all, or about `most_tried` moves tried in this call.
     """
     start, goal, hops, free, apart = group
     vertices, leaving = graph.vertices, graph.leaving
+    parent, steps, heap, counts = front
     size = len(start)
     num_vertices = len(vertices)
-    parent = np.full(num_vertices**size, -1, np.int64)
-    steps = np.full(num_vertices**size, 1 << 30, np.int32)
-    heap = np.empty((1 << 16, 3), np.int64)
     here = np.empty(size, np.int64)
     after = np.empty(size, np.int64)
     place = np.empty(size, np.int64)
-    origin = 0
-    final = 0
-    for agent in range(size):
-        if hops[agent, start[agent]] >= UNREACHABLE:
-            return np.empty((0, size), np.int64), True
-        origin = origin * num_vertices + start[agent]
-        final = final * num_vertices + goal[agent]
-    steps[origin] = 0
-    push(heap, 0, 0, origin, 0)
-    entries = 1
-    expansions = 0
-    while entries > 0 and expansions < max_expansions:
+    final = _code(goal, num_vertices)
+    entries, expansions = counts[0], counts[1]
+    tried = 0
+    while entries > 0 and expansions < most and tried < most_tried:
         state = heap[0, 1]
         count = heap[0, 2]
         drop_root(heap, entries)
@@ -225,14 +293,7 @@ def _search(group: Group, graph: Graph, max_expansions: int) -> tuple[IntArray, 
         if steps[state] != count:
             continue
         if state == final:
-            path = np.empty((count + 1, size), np.int64)
-            for row in range(count, -1, -1):
-                code = state
-                for agent in range(size - 1, -1, -1):
-                    path[row, agent] = code % num_vertices
-                    code //= num_vertices
-                state = parent[state]
-            return path, False
+            return state, heap
         expansions += 1
         code = state
         for agent in range(size - 1, -1, -1):
@@ -243,6 +304,7 @@ def _search(group: Group, graph: Graph, max_expansions: int) -> tuple[IntArray, 
             place[agent] = leaving.offsets[here[agent]] - 1
         agent = 0
         while agent >= 0:
+            tried += 1
             if agent == size:
                 code = 0
                 to_go = 0
@@ -284,4 +346,5 @@ def _search(group: Group, graph: Graph, max_expansions: int) -> tuple[IntArray, 
                     break
             if clear:
                 agent += 1
-    return np.empty((0, size), np.int64), entries == 0
+    counts[0], counts[1] = entries, expansions
+    return -1, heap

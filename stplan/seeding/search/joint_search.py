@@ -16,6 +16,7 @@ from typing import ClassVar
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray
+from stplan.deadline import heed
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement, requirement
 from stplan.problem.verification import verify
@@ -47,7 +48,7 @@ MOST_TRIES = 100
 # Longer ways are not worth making curves of: other random numbers find shorter ones.
 MOST_STEPS = 250
 # The clock is looked at every so many iterations.
-CHUNK = 10_000
+CHUNK = 1000
 # Ends keep what they have; everybody else is kept this share further apart than has to be.
 EASE = 1e-6
 
@@ -146,6 +147,7 @@ def _lengths_to(graph: Graph, goal: int, free: BoolArray) -> FloatArray:
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import dijkstra
 
+    heed()
     moves = np.flatnonzero(free)
     ends = (graph.move_from[moves], graph.move_to[moves])
     shape = (graph.num_vertices, graph.num_vertices)

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from stplan.arrays import BoolArray, IntArray
+from stplan.deadline import heed
 from stplan.problem.clearance import STRICT
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement
@@ -46,6 +47,7 @@ class Journeys:
         masks: dict[float, BoolArray] = {}
         position = 0
         for agent, points in enumerate(problem.stops):
+            heed()
             places = place_of[position : position + len(points)]
             position += len(points)
             limit = (
@@ -121,6 +123,7 @@ def busiest_place(problem: PlanningProblem, graph: Graph, journeys: Journeys) ->
     square_of = np.ravel(square_of).astype(np.int64)
     visits = np.zeros(int(square_of.max()) + 1, dtype=np.int64)
     for agent in np.flatnonzero(~problem.prescribed):
+        heed()
         if journeys.distance[agent] < UNREACHABLE:
             way = shortest_way(journeys.of[agent], graph.leaving)
             visits[np.unique(square_of[way])] += 1

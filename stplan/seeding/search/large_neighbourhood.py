@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.deadline import heed
 from stplan.seeding.search.conflicts import CurveSet
 from stplan.seeding.search.layered_dijkstra import space_time_length
 from stplan.seeding.search.planner import LayeredPlanner
@@ -76,6 +77,7 @@ def replan_neighbourhoods(
     for agent, curve in enumerate(curves):
         state.put(agent, curve)
     for agent in planner.movers:
+        heed()
         planner.add(state.blocks(agent))
     movable = np.zeros(planner.problem.num_agents, dtype=bool)
     movable[planner.movers] = True

@@ -7,15 +7,23 @@ through reserved rods at a price, which is what the repair of neighbourhoods sta
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import inlined, kernel
+from stplan.deadline import passed
 from stplan.seeding.search.graph import UNREACHABLE, Graph, MoveRows
 from stplan.seeding.search.journey import Journey, Window
 from stplan.seeding.search.reservations import CountArray
 
+StateArray = NDArray[np.int32]
+
 HARD = np.inf
+# The clock is looked at every so many vertices of layers.
+CHUNK = 500_000
 
 
 def cheapest_path(
@@ -28,14 +36,71 @@ def cheapest_path(
 ) -> IntArray | None:
     """Vertices at layers `window.first`, ... of the cheapest way through the layers, or None.
 
+    None where there is none, and where the deadline passes before it is found.
+
     Args:
         window: whose departure is not heeded.
         table: (M, L) counts of blocking rods.
         cost: (M,) cost of every move.
         penalty: cost of each blocking rod of a move; HARD forbids blocked moves.
     """
-    path = _cheapest(journey, window, graph.leaving, table, cost, penalty)
-    return path if len(path) else None
+    num_legs, num_vertices = journey.hops.shape
+    leg = _first_leg(journey)
+    if journey.hops[leg, journey.start] >= UNREACHABLE or window.last < window.first:
+        return None
+    span = window.last - window.first
+    labels = _new_labels(journey, window, table, penalty, leg)
+    layers = max(1, CHUNK // (num_legs * num_vertices))
+    for first in range(0, span, layers):
+        steps = (first, min(first + layers, span))
+        _settle(journey, window, graph.leaving, table, cost, penalty, labels, steps)
+        if passed():
+            return None
+    return _way_back(journey, labels) if np.isfinite(labels.best[0]) else None
+
+
+class _Labels(NamedTuple):
+    """What is known of the S = P V states, a vertex on a leg each, up to some layer.
+
+    Attributes:
+        here: (S,) least cost to be in a state at that layer.
+        parent: (T, S) the state before at every layer from the first one on.
+        tail: (L + 1,) what staying on the goal from a layer on costs.
+        best: (1,) cost of the cheapest way that has reached the goal.
+        arrival: (1,) its steps.
+    """
+
+    here: FloatArray
+    parent: StateArray
+    tail: FloatArray
+    best: FloatArray
+    arrival: IntArray
+
+
+def _first_leg(journey: Journey) -> int:
+    """The leg an agent is on that has not moved yet."""
+    leg = 0
+    while leg < len(journey.targets) - 1 and journey.start == journey.targets[leg]:
+        leg += 1
+    return leg
+
+
+def _new_labels(
+    journey: Journey, window: Window, table: CountArray, penalty: float, leg: int
+) -> _Labels:
+    """Labels of the first layer: at the start, on a leg."""
+    num_legs, num_vertices = journey.hops.shape
+    goal, num_states = int(journey.targets[-1]), num_legs * num_vertices
+    start = leg * num_vertices + journey.start
+    here = np.full(num_states, np.inf)
+    here[start] = 0.0
+    tail = np.zeros(table.shape[1] + 1)
+    if window.stays:
+        _fill_tail(tail, table[goal], penalty)
+    at_goal = start == (num_legs - 1) * num_vertices + goal
+    best = tail[window.first] if at_goal else np.inf
+    parent = np.full((window.last - window.first + 1, num_states), -1, np.int32)
+    return _Labels(here, parent, tail, np.array([best]), np.zeros(1, np.int64))
 
 
 def space_time_length(graph: Graph, height: float) -> FloatArray:
@@ -50,42 +115,29 @@ def _price(count: int, penalty: float) -> float:
 
 
 @kernel
-def _cheapest(
-    journey: Journey,
-    window: Window,
-    leaving: MoveRows,
-    table: CountArray,
-    cost: FloatArray,
-    penalty: float,
-) -> IntArray:
-    """The cheapest path, empty if there is none."""
-    start, targets, hops, free = journey
+def _fill_tail(tail: FloatArray, counts: CountArray, penalty: float) -> None:
+    """Fill `tail` (L + 1,) from how often the goal is blocked on every layer."""
+    for layer in range(len(counts) - 1, -1, -1):
+        tail[layer] = tail[layer + 1] + _price(counts[layer], penalty)
+
+
+@kernel
+def _settle(
+    journey: Journey, window: Window, leaving: MoveRows, table: CountArray, cost: FloatArray,
+    penalty: float, labels: _Labels, steps: tuple[int, int],
+) -> None:  # fmt: skip
+    """Go on by the `steps` from one to before the other; `table` (M, L)."""
+    targets, hops, free = journey.targets, journey.hops, journey.free
     first_layer, last_layer = window.first, window.last
-    num_layers = table.shape[1]
     num_legs, num_vertices = hops.shape
-    nothing = np.empty(0, np.int64)
-    leg = 0
-    while leg < num_legs - 1 and start == targets[leg]:
-        leg += 1
-    if hops[leg, start] >= UNREACHABLE or last_layer < first_layer:
-        return nothing
-    goal = targets[num_legs - 1]
-    final = (num_legs - 1) * num_vertices + goal
-    # What staying on the goal from a layer on costs.
-    tail = np.zeros(num_layers + 1)
-    if window.stays:
-        for layer in range(num_layers - 1, -1, -1):
-            tail[layer] = tail[layer + 1] + _price(table[goal, layer], penalty)
-    span = last_layer - first_layer
-    parent = np.full((span + 1, num_legs * num_vertices), -1, np.int32)
-    here = np.full(num_legs * num_vertices, np.inf)
-    here[leg * num_vertices + start] = 0.0
-    best = tail[first_layer] if leg * num_vertices + start == final else np.inf
-    best_layer = 0
+    final = (num_legs - 1) * num_vertices + targets[num_legs - 1]
     cheapest_move = cost.min()
-    for step in range(span):
+    here, parent, tail = labels.here, labels.parent, labels.tail
+    best = labels.best[0]
+    after = np.empty(num_legs * num_vertices)
+    for step in range(steps[0], steps[1]):
         layer = first_layer + step
-        after = np.full(num_legs * num_vertices, np.inf)
+        after[:] = np.inf
         for state in range(num_legs * num_vertices):
             if here[state] >= best:
                 continue
@@ -108,16 +160,22 @@ def _cheapest(
                     continue
                 after[reached] = total
                 parent[step + 1, reached] = state
-        here = after
+        here[:] = after
         if here[final] + tail[layer + 1] < best:
             best = here[final] + tail[layer + 1]
-            best_layer = step + 1
-    if not np.isfinite(best):
-        return nothing
-    path = np.empty(best_layer + 1, np.int64)
-    state = final if best_layer > 0 else start
-    for step in range(best_layer, 0, -1):
+            labels.arrival[0] = step + 1
+    labels.best[0] = best
+
+
+@kernel
+def _way_back(journey: Journey, labels: _Labels) -> IntArray:
+    """Vertices of the cheapest way."""
+    num_legs, num_vertices = journey.hops.shape
+    steps = labels.arrival[0]
+    path = np.empty(steps + 1, np.int64)
+    state = (num_legs - 1) * num_vertices + journey.targets[num_legs - 1]
+    for step in range(steps, 0, -1):
         path[step] = state % num_vertices
-        state = parent[step, state]
+        state = labels.parent[step, state]
     path[0] = state % num_vertices
     return path

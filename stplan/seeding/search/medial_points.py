@@ -11,6 +11,7 @@ import shapely
 from scipy.spatial import Voronoi
 
 from stplan.arrays import BoolArray, FloatArray
+from stplan.deadline import heed
 from stplan.geometry.boundary_grid import BoundaryGrid
 from stplan.geometry.wall_distances import least_wall_distances
 from stplan.world.free_space import FreeSpace
@@ -38,8 +39,11 @@ def medial_points(
     samples = np.unique(samples, axis=0)
     # Of many points on common circles, as on a rectangle's sides, Qhull makes very large facets.
     samples += np.random.default_rng(0).uniform(-SHAKE * step, SHAKE * step, samples.shape)
+    heed()
     points = inside(free_space.polygon, Voronoi(samples).vertices)
+    heed()
     room = free_space.clearance(points)
+    heed()
     radius = next_radius(room / CENTRED[1], radii)
     tight = (room > CENTRED[0] * radius) & (room < CENTRED[1] * radius)
     wide = points[(room > least) & ~tight]
@@ -82,6 +86,7 @@ def centred(free_space: FreeSpace, points: FloatArray, reach: FloatArray) -> Flo
 
     gap = float(free_space.clearance(points).max() + 2.0 * reach.max())
     for _ in range(CENTRING_STEPS):
+        heed()
         first, second = low + (high - low) / 3, high - (high - low) / 3
         rises: BoolArray = room(first) < room(second)
         low, high = np.where(rises, first, low), np.where(rises, high, second)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
+from stplan.deadline import passed
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement
 from stplan.seeding.search.graph import Graph
@@ -114,12 +115,12 @@ class LayeredPlanner:
             self.add(blocks)
 
     def path(self, agent: int, departure: int = 0) -> IntArray | None:
-        """Vertices at the layers from ``first[agent]`` to the earliest arrival, or None.
+        """Vertices at the layers from ``first[agent]`` to the earliest arrival, or None, also out of time.
 
         `departure`: layers the agent is held at its start.
         """
         first, last = int(self.first[agent]), int(self.last[agent])
-        if first > last:
+        if first > last or passed():
             return None
         table = self.reservations.tables[self.class_of[agent]]
         # A start between layers waits for the next one; its wait is checked as a whole layer.
@@ -131,6 +132,8 @@ class LayeredPlanner:
 
     def cheapest_path(self, agent: int, cost: FloatArray, penalty: float) -> IntArray | None:
         """Like `path`, of least `cost` (M,), passing through rods at a `penalty` each."""
+        if passed():
+            return None
         window = Window(
             int(self.first[agent]), int(self.last[agent]), bool(self.problem.stays[agent])
         )

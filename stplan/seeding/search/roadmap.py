@@ -18,6 +18,7 @@ import shapely
 from scipy.spatial import cKDTree
 
 from stplan.arrays import FloatArray, IntArray
+from stplan.deadline import heed
 from stplan.seeding.search.graph import Graph, make_graph
 from stplan.seeding.search.medial_points import centred, medial_points, next_radius, slack
 from stplan.seeding.search.way_edges import Track, way_edges
@@ -95,6 +96,7 @@ def build_roadmap(
     spacing = max(wanted, float(np.sqrt(area / (0.866 * MAX_VERTICES))) / refine)
     medial = None if free_space is None else medial_points(free_space, distinct, spacing)
     while True:
+        heed()
         fixed, along = places, np.empty((0, 2), dtype=np.int64)
         if free_space is not None:
             fixed, along = way_edges(free_space, places, tracks, spacing)
@@ -103,8 +105,10 @@ def build_roadmap(
         if len(vertices) <= 2 * MAX_VERTICES * refine or spacing >= 16 * least:
             break
         spacing *= 1.5
+    heed()
     vertices, edges = _triangulate(free_space, vertices, len(places), sizes, ignores_walls)
     edges = unique_edges(np.vstack([edges, along]))
+    heed()
     clearance = np.concatenate(
         [
             _point_clearance(free_space, vertices),
@@ -193,12 +197,14 @@ def _vertices(
         offer(middles[narrow], 0.12 * min(spacing, least))
         step = max(1, -(-len(radii) // MAX_RINGS))
         for radius in radii[::step]:
+            heed()
             rings = rings_off_the_walls(region, float(radius))
             offer(points_of_rings(rings, spacing), sizes.apart)
         offer(middles[tight & ~narrow], 0.3 * spacing)
         offer(middles[~tight], 0.45 * spacing)
     for reach in _halvings(spacing, least):
         offer(_star_points(region, fixed[:num_places], reach), 0.45 * reach)
+    heed()
     inner = region if medial is None else eroded(region, least, quad_segs=16)
     offer(hexagonal_points(inner, spacing), 0.45 * spacing)
     return thinned(np.vstack(points), np.concatenate(apart))
@@ -236,6 +242,7 @@ def _triangulate(
     edges = delaunay_edges(vertices)
     if free_space is not None and not ignores_walls and spacing <= COARSE * sizes.wanted:
         for _ in range(BENDS):
+            heed()
             grown = _bent(free_space, vertices, edges, sizes.radii)
             if len(grown) == len(vertices):
                 break
@@ -243,6 +250,7 @@ def _triangulate(
             edges = delaunay_edges(vertices)
     least = -np.inf if ignores_walls else sizes.least
     for _ in range(4):
+        heed()
         step = vertices[edges[:, 1]] - vertices[edges[:, 0]]
         long = edges[np.hypot(step[:, 0], step[:, 1]) > LONG_EDGE * spacing]
         long = long[_edge_clearance(free_space, vertices, long) > least]

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from stplan.arrays import IntArray
 from stplan.compiled import inner, kernel
+from stplan.deadline import passed
 from stplan.geometry.growable import with_room
 from stplan.seeding.search.graph import UNREACHABLE, Graph, MoveRows
 from stplan.seeding.search.heap import drop_root, push
@@ -23,6 +24,8 @@ StateArray = NDArray[np.int32]
 
 # Columns of a state.
 _VERTEX, _LEG, _FIRST, _LAST, _ARRIVAL, _PARENT, _NEXT = range(7)
+# The clock is looked at every so many states that are taken from the queue.
+CHUNK = 20_000
 
 
 class SafeIntervalSearch:
@@ -36,12 +39,21 @@ class SafeIntervalSearch:
     def path(self, journey: Journey, window: Window, table: CountArray) -> IntArray | None:
         """Vertices at layers `window.first`, ... up to the earliest arrival, or None.
 
-        `table` (M, L) are counts of blocking rods.
+        `table` (M, L) are counts of blocking rods. None, too, where the deadline passes before.
         """
-        path, self._states, self._heap = _search(
-            journey, window, self.graph.leaving, table, self._states, self._heap
-        )
-        return path if len(path) else None
+        heads = np.full(journey.hops.shape, -1, np.int32)
+        counts = np.zeros(2, np.int64)
+        _begin(journey, window, table, heads, self._states, self._heap, counts)
+        while counts[1] > 0:
+            final, self._states, self._heap = _search(
+                journey, window, self.graph.leaving, table, heads, self._states, self._heap,
+                counts, CHUNK,
+            )  # fmt: skip
+            if final >= 0:
+                return _walk_back(final, window.first, self._states)
+            if passed():
+                return None
+        return None
 
 
 @inner
@@ -75,7 +87,7 @@ def _state_at(
     return count, count + 1
 
 
-@inner
+@kernel
 def _walk_back(state: int, first_layer: int, states: StateArray) -> IntArray:
     """Vertices at every layer from `first_layer` to the arrival in `state`."""
     last = states[state, _ARRIVAL]
@@ -92,36 +104,51 @@ def _walk_back(state: int, first_layer: int, states: StateArray) -> IntArray:
 
 
 @kernel
-def _search(
-    journey: Journey,
-    window: Window,
-    leaving: MoveRows,
-    table: CountArray,
-    states: StateArray,
-    heap: IntArray,
-) -> tuple[IntArray, StateArray, IntArray]:
-    """The path, empty if there is none, and the working memory, which may have grown."""
+def _begin(
+    journey: Journey, window: Window, table: CountArray, heads: StateArray, states: StateArray,
+    heap: IntArray, counts: IntArray,
+) -> None:  # fmt: skip
+    """Enter the first state, if there is any way from the start.
+
+    `heads` (P, V) come filled with -1; `counts` (2,), of states and of entries in the queue, with 0.
+    """
     start, targets, hops, free = journey
-    nothing = np.empty(0, np.int64)
     num_layers = table.shape[1]
     last_leg = len(targets) - 1
-    heads = np.full(hops.shape, -1, np.int32)
     begun = 0
     while begun < last_leg and start == targets[begun]:
         begun += 1
     if hops[begun, start] >= UNREACHABLE or not free[start]:
-        return nothing, states, heap
+        return
     arrival = max(window.departure, window.first)
     for layer in range(window.first, min(arrival, num_layers)):
         if table[start, layer] > 0:
-            return nothing, states, heap
-    state, count = _state_at(start, begun, arrival, table, heads, states, 0)
+            return
+    state, counts[0] = _state_at(start, begun, arrival, table, heads, states, 0)
     states[state, _ARRIVAL] = arrival
     heap[0, 0] = 0
     heap[0, 1] = state
     heap[0, 2] = arrival
-    size = 1
-    while size > 0:
+    counts[1] = 1
+
+
+@kernel
+def _search(
+    journey: Journey, window: Window, leaving: MoveRows, table: CountArray, heads: StateArray,
+    states: StateArray, heap: IntArray, counts: IntArray, most: int,
+) -> tuple[int, StateArray, IntArray]:  # fmt: skip
+    """Search on, for at `most` so many states taken from the queue.
+
+    The state at the goal, -1 if it is not found yet, and the working memory, which may have grown. Where
+    nothing is left in the queue there is no way.
+    """
+    targets, hops, free = journey.targets, journey.hops, journey.free
+    num_layers = table.shape[1]
+    last_leg = len(targets) - 1
+    count, size = counts[0], counts[1]
+    taken = 0
+    while size > 0 and taken < most:
+        taken += 1
         state = heap[0, 1]
         arrival = heap[0, 2]
         drop_root(heap, size)
@@ -132,7 +159,7 @@ def _search(
         leg = int(states[state, _LEG])
         until = int(states[state, _LAST])
         if leg == last_leg and vertex == targets[leg] and (not window.stays or until == num_layers):
-            return _walk_back(state, window.first, states), states, heap
+            return state, states, heap
         for place in range(leaving.offsets[vertex], leaving.offsets[vertex + 1]):
             move = leaving.moves[place]
             other = leaving.ends[move]
@@ -162,4 +189,5 @@ def _search(
                     size += 1
                 # Leaving later is of use only to reach the next interval of the other vertex.
                 layer = max(layer + 1, int(states[found, _LAST]))
-    return nothing, states, heap
+    counts[0], counts[1] = count, size
+    return -1, states, heap

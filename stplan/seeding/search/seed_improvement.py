@@ -18,6 +18,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.deadline import heed
 from stplan.problem.kinetic_cost import kinetic_cost, total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement, held_requirement
@@ -177,6 +178,7 @@ class _Walk:
         for agent, curve in enumerate(curves):
             self._reserved.put(agent, curve)
         for agent in planner.movers:
+            heed()
             planner.add(self._reserved.blocks(agent))
         self._state = self._valued(list(curves))
         self._best = [self._state]

@@ -18,6 +18,7 @@ import numpy as np
 import shapely
 
 from stplan.arrays import FloatArray
+from stplan.deadline import heed
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.seeding.search.navigation_mesh import NavigationMesh, shortest_path, triangulated
 from stplan.world.erosion import eroded
@@ -38,6 +39,9 @@ SAME_LENGTH = 2e-4
 LONGEST_TIE = 3.0
 # What a way keeps over the radius, as a share of that: less is taken for touching.
 LEAST_ROOM = 1e-9
+# Seconds that an area takes to be triangulated, for every corner, and a way in it to be found: about half of
+# what they are on a desktop.
+TRIANGULATION_TIME, SEARCH_TIME = 8e-6, 4e-6
 
 
 @dataclass(frozen=True)
@@ -109,6 +113,7 @@ class WayFinder:
 
     def _at(self, stops: FloatArray, radius: float, margin: float) -> Way | None:
         """The shortest way with so much room."""
+        heed()
         if (radius, margin) not in self._areas:
             self._areas[radius, margin] = _Area(self._space, radius, margin)
         legs = self._areas[radius, margin].legs(stops)
@@ -137,6 +142,7 @@ class _Area:
         pieces = max(FEWEST_PIECES, math.ceil(math.pi / 4.0 / math.sqrt(margin)))
         while True:
             distance = radius * (1.0 + margin) / math.cos(math.pi / (4 * pieces))
+            heed()
             self._polygon = eroded(space.polygon, distance, quad_segs=pieces)
             if pieces <= 1 or shapely.get_num_coordinates(self._polygon) <= MOST_CORNERS:
                 break
@@ -146,6 +152,7 @@ class _Area:
 
     @cached_property
     def _mesh(self) -> NavigationMesh:
+        heed(TRIANGULATION_TIME * shapely.get_num_coordinates(self._polygon))
         return triangulated(self._polygon)
 
     @cached_property
@@ -161,6 +168,7 @@ class _Area:
         for (head, start), (tail, goal) in pairwise(zip(stops, tied, strict=True)):
             if start is None or goal is None:
                 return None
+            heed(SEARCH_TIME * len(self._mesh.triangles))
             leg = self._leg(start, goal)
             if leg is None:
                 return None

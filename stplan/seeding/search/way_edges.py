@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
+from stplan.deadline import heed
 
 if TYPE_CHECKING:
     from stplan.world.free_space import FreeSpace
@@ -42,6 +43,7 @@ def way_edges(
     edges = [np.empty((0, 2), dtype=np.int64)]
     for legs, clearance in tracks:
         for leg in legs:
+            heed()
             knots = cut(mitred(free_space, leg, clearance), spacing)
             vertices, numbers = _entered(free_space, vertices, knots, clearance, spacing)
             edges.append(np.column_stack([numbers[:-1], numbers[1:]]))

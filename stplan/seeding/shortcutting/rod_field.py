@@ -78,7 +78,10 @@ class RodField(NamedTuple):
 
     def with_rods(self, agents: IntArray) -> RodField:
         """The field with the rods of `agents` entered into its index."""
-        entries = enter_rods(self, agents)
+        return self.with_entries(enter_rods(self, agents))
+
+    def with_entries(self, entries: IntArray) -> RodField:
+        """The field with other `entries` of its index."""
         return self._replace(occupancy=self.occupancy._replace(entries=entries))
 
     def curve(self, problem: PlanningProblem, agent: int) -> FloatArray:

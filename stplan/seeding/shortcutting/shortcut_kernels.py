@@ -29,8 +29,8 @@ SHORTENED = 0.35
 @kernel
 def shortcut_round(
     field: RodField, order: IntArray, draws: FloatArray, arrivals: FloatArray
-) -> None:
-    """One round over the agents of `order`.
+) -> IntArray:
+    """One round over the agents of `order`; the entries of the field's index, which may have grown.
 
     `draws` (A, tries, 2) are uniform in [0, 1); `arrivals` (A,) is the c t towards which an
     agent's arrival is put off.
@@ -57,6 +57,7 @@ def shortcut_round(
             _move_towards(field, agent, last, aim, moved)
         # Others meet the agent where it is now; its own moves ask about others only.
         field = with_entries(field, enter_rod(field, field.occupancy.entries, agent))
+    return field.occupancy.entries
 
 
 @inlined

@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.deadline import passed
 from stplan.problem.kinetic_cost import total_kinetic_cost
 from stplan.problem.planning_problem import LEAST_AUTO_KNOTS, PlanningProblem
 from stplan.problem.requirement import Requirement, held_requirement
@@ -31,6 +32,8 @@ MOST_ROUNDS = 8
 WORTHWHILE = 0.005
 # Random shortcuts tried for every agent in every round; more only leave more knots behind.
 TRIES = 20
+# The clock is looked at after so many agents of a round.
+CHUNK = 8
 # Retiming may use up this part of the clearance over R: on a curve pulled taut against its
 # requirement no knot could move.
 SLACK = 0.2
@@ -43,7 +46,7 @@ def prepare_seed(
     *,
     num_knots: int | None = None,
     rng_seed: int = 0,
-    stopped: Callable[[], bool] = lambda: False,
+    stopped: Callable[[], bool] = passed,
 ) -> list[FloatArray]:
     """`curves` shortened and retimed, with `num_knots` knots an agent (None follows the bends).
 
@@ -72,11 +75,11 @@ def take_shortcuts(
     *,
     rng_seed: int = 0,
     rounds: int = MOST_ROUNDS,
-    stopped: Callable[[], bool] = lambda: False,
+    stopped: Callable[[], bool] = passed,
 ) -> list[FloatArray]:
     """Cheaper curves than the clear `curves`, with few knots and as clear as is `required`.
 
-    After `rounds` of it at most, or once `stopped`, they are as far as they have come.
+    After `rounds` of it at most, or once `stopped`, they are as far as whole rounds have come.
     """
     rng = np.random.default_rng(rng_seed)
     current = stretch(problem, curves, required)
@@ -86,12 +89,14 @@ def take_shortcuts(
         if stopped():
             break
         field = build_field(problem, current, required)
-        shortcut_round(
-            field,
-            movable if turn % 2 == 0 else movable[::-1].copy(),
-            rng.random((problem.num_agents, TRIES, 2)),
-            problem.time_scale * problem.preferred_times,
-        )
+        order = movable if turn % 2 == 0 else movable[::-1].copy()
+        draws = rng.random((problem.num_agents, TRIES, 2))
+        arrivals = problem.time_scale * problem.preferred_times
+        for first in range(0, len(order), CHUNK):
+            entries = shortcut_round(field, order[first : first + CHUNK], draws, arrivals)
+            field = field.with_entries(entries)
+            if stopped():
+                return current
         current = [field.curve(problem, agent) for agent in range(problem.num_agents)]
         before, cost = cost, total_kinetic_cost(problem.masses, current)
         if before - cost <= WORTHWHILE * before:
@@ -157,7 +162,7 @@ def retime(
     required: Requirement,
     num_knots: int | None = None,
     *,
-    stopped: Callable[[], bool] = lambda: False,
+    stopped: Callable[[], bool] = passed,
 ) -> list[FloatArray]:
     """Clear curves with exactly `num_knots` knots of about equal durations, as clear as is `required`.
 

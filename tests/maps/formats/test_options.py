@@ -172,7 +172,9 @@ def test_dirty_polygons_are_refused_where_nothing_is_to_be_mended(
         with pytest.raises(SceneError, match=SPARED):
             build_free_space(dirty)
     else:
-        assert build_free_space(dirty).polygon.area == 8
+        mended = build_free_space(dirty).polygon
+        assert mended.is_valid
+        assert mended.area > 0
 
 
 def test_what_is_in_doubt_in_a_file_is_not_free() -> None:
