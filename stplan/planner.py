@@ -179,7 +179,8 @@ def improve(
             optimisation=OptimisationReport.of(result.scene, found.optimisation),
         )
         if content.bound is not None:
-            bound = bound_with(result.scene, found.world_lines, content.bound.least)
+            known = content.bound
+            bound = bound_with(result.scene, found.world_lines, known.least, known.together)
             content = replace(content, bound=bound)
     if found.interrupted:
         content = replace(content, status=Status.INTERRUPTED)

@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from stplan.analysis.joint_bounds import Together, joint_bounds
 from stplan.analysis.own_costs import own_costs
 from stplan.analysis.shortest_trips import shortest_duration, shortest_legs
 from stplan.arrays import FloatArray
@@ -40,12 +41,14 @@ class CostBound:
 
     Attributes:
         agents: their names.
-        costs, least: (A,) J s.
+        costs, least: (A,) J s; the least is what each would pay alone.
+        together: what groups of them pay at least beyond that.
     """
 
     agents: tuple[str, ...]
     costs: FloatArray
     least: FloatArray
+    together: tuple[Together, ...] = ()
 
     @property
     def cost(self) -> float:
@@ -55,7 +58,7 @@ class CostBound:
     @property
     def total(self) -> float:
         """What all pay at least, J s."""
-        return float(self.least.sum())
+        return float(self.least.sum()) + sum(group.extra for group in self.together)
 
     @property
     def excess(self) -> float | None:
@@ -80,28 +83,38 @@ class CostBound:
                 {"agent": name, "cost": float(cost), "least": float(least)}
                 for name, cost, least in zip(self.agents, self.costs, self.least, strict=True)
             ],
+            "together": [group.as_dict(self.agents) for group in self.together],
         }
 
 
 def cost_bound(problem: PlanningProblem, lines: WorldLines) -> CostBound:
     """What the agents of `lines`, a plan of `problem` as the user's in scene order, pay and have to pay."""
-    return bound_with(problem.written.scene, lines, problem.frame.cost * least_costs(problem))
+    legs = shortest_legs(problem)
+    least = problem.frame.cost * _least_alone(problem, legs)
+    return bound_with(problem.written.scene, lines, least, joint_bounds(problem, legs))
 
 
-def bound_with(scene: Scene, lines: WorldLines, least: FloatArray) -> CostBound:
+def bound_with(
+    scene: Scene, lines: WorldLines, least: FloatArray, together: tuple[Together, ...]
+) -> CostBound:
     """The same with what is already known to be the least."""
     costs = own_costs(scene, lines)
     # Prescribed motion costs what it costs.
     given = np.array([agent.path is not None for agent in scene.agents])
-    return CostBound(lines.agent_ids, costs, np.where(given, (1.0 - ROUNDING) * costs, least))
+    least = np.where(given, (1.0 - ROUNDING) * costs, least)
+    return CostBound(lines.agent_ids, costs, least, together)
 
 
 def least_costs(problem: PlanningProblem) -> FloatArray:
     """(A,) what every agent that plans its motion pays at least on any plan; 0 for the others."""
+    return _least_alone(problem, shortest_legs(problem))
+
+
+def _least_alone(problem: PlanningProblem, legs: Sequence[FloatArray]) -> FloatArray:
     return np.array(
         [
-            0.0 if agent.path is not None else (1.0 - ROUNDING) * _least_cost(agent, legs)
-            for agent, legs in zip(problem.scene.agents, shortest_legs(problem), strict=True)
+            0.0 if agent.path is not None else (1.0 - ROUNDING) * _least_cost(agent, own)
+            for agent, own in zip(problem.scene.agents, legs, strict=True)
         ]
     )
 

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from stplan.analysis.cost_bound import CostBound
+from stplan.arrays import Point
 from stplan.explain.explanation import Fact, Section
+from stplan.wording import at, names
 
 # Those are named who pay this share of the difference together, and no more than so many.
 NAMED_SHARE, MOST_NAMED = 0.8, 10
@@ -25,6 +27,16 @@ class Payment:
     share: float
 
 
+@dataclass(frozen=True)
+class Queue:
+    """Who passes a gate one after another, and pays at least how much more for it; J s and m."""
+
+    agents: tuple[str, ...]
+    extra: float
+    place: Point
+    width: float
+
+
 def cost_section(bound: CostBound) -> Section:
     """How far the plan can be from the best one, and who pays the difference, the dearest first."""
     title = "Costs"
@@ -35,8 +47,23 @@ def cost_section(bound: CostBound) -> Section:
     )
     if bound.excess < NEGLIGIBLE:
         return Section("costs", title, f"{lead}: there is nothing to gain.")
+    facts = [*map(_queue_fact, queues(bound)), *map(_fact, payments(bound))]
     lead += f", so this one is at most {100.0 * bound.excess:.3g} % above the best; who pays the difference:"
-    return Section("costs", title, lead, [*map(_fact, payments(bound))])
+    return Section("costs", title, lead, facts)
+
+
+def queues(bound: CostBound) -> list[Queue]:
+    """The gates at which agents cannot but wait for each other, those that cost most first."""
+    groups = sorted(bound.together, key=lambda group: -group.extra)
+    return [
+        Queue(
+            tuple(bound.agents[a] for a in group.agents.tolist()),
+            group.extra,
+            group.place,
+            group.width,
+        )
+        for group in groups
+    ]
 
 
 def payments(bound: CostBound) -> list[Payment]:
@@ -49,6 +76,14 @@ def payments(bound: CostBound) -> list[Payment]:
         Payment(bound.agents[a], float(bound.costs[a]), float(bound.least[a]), float(shares[a]))
         for a in order[: min(enough, MOST_NAMED)].tolist()
     ]
+
+
+def _queue_fact(queue: Queue) -> Fact:
+    return Fact(
+        f"{names(queue.agents)} pass {queue.width:.4g} m at {at(queue.place)} one after another, "
+        f"for which they pay at least {queue.extra:.3g} more on any plan",
+        queue,
+    )
 
 
 def _fact(payment: Payment) -> Fact:

@@ -61,15 +61,19 @@ def shortest_lengths(problem: PlanningProblem) -> list[FloatArray]:
 
     An agent whose motion is prescribed has no stops and gets none.
     """
-    legs = [np.hypot(*np.diff(stops, axis=0).T) for stops in problem.stops]
+    return lengths_between(problem, problem.stops)
+
+
+def lengths_between(problem: PlanningProblem, stops: Sequence[FloatArray]) -> list[FloatArray]:
+    """The same between any `stops` (n, 2) of every agent: (n - 1,) m, none where it has none."""
+    legs = [np.hypot(*np.diff(own, axis=0).T) for own in stops]
     free_space, boundary = problem.free_space, problem.boundary
     if free_space is not None and boundary is not None:
-        heeding = [
-            a for a, stops in enumerate(problem.stops) if problem.heeds_walls[a] and len(stops)
-        ]
+        heeding = [a for a, own in enumerate(stops) if problem.heeds_walls[a] and len(own)]
         for radius, agents in _groups(problem.radii, heeding):
-            stops = [problem.stops[agent] for agent in agents]
-            found = _lengths(free_space, boundary, radius, stops, [legs[agent] for agent in agents])
+            theirs = [stops[agent] for agent in agents]
+            straight = [legs[agent] for agent in agents]
+            found = _lengths(free_space, boundary, radius, theirs, straight)
             for agent, lengths in zip(agents, found, strict=True):
                 legs[agent] = lengths
     return [
@@ -114,17 +118,17 @@ def _lengths(
 
 def _arcs(free_space: FreeSpace, boundary: BoundaryGrid, radius: float) -> _Arcs | None:
     """Nodes around every corner that free space bends around, None where there are too many."""
-    corners = _corners(free_space)
+    bends = corners(free_space)
     for turn in TURNS:
-        counts = np.maximum(np.ceil((corners[:, 3] - 1e-12) / turn), 1).astype(np.int64)
+        counts = np.maximum(np.ceil((bends[:, 3] - 1e-12) / turn), 1).astype(np.int64)
         if (counts + 1).sum() > 2 * MOST_NODES:
             continue
-        owner = np.repeat(np.arange(len(corners)), counts + 1)
+        owner = np.repeat(np.arange(len(bends)), counts + 1)
         number = np.arange(len(owner)) - np.repeat(np.cumsum(counts + 1) - counts - 1, counts + 1)
-        step = corners[owner, 3] / counts[owner]
-        angle = corners[owner, 2] + step * number
+        step = bends[owner, 3] / counts[owner]
+        angle = bends[owner, 2] + step * number
         normals = np.column_stack([np.cos(angle), np.sin(angle)])
-        nodes = corners[owner, :2] + radius * normals
+        nodes = bends[owner, :2] + radius * normals
         gap = radius * np.cos(turn / 2) * (1.0 - ROUNDING)
         usable = free_space.contains(nodes) & clear_segments(nodes, nodes, gap, boundary)
         if usable.sum() <= MOST_NODES:
@@ -133,7 +137,7 @@ def _arcs(free_space: FreeSpace, boundary: BoundaryGrid, radius: float) -> _Arcs
     return None
 
 
-def _corners(free_space: FreeSpace) -> FloatArray:
+def corners(free_space: FreeSpace) -> FloatArray:
     """(C, 4) corners that ways may bend around: x, y (m), first normal and span of the normals (rad).
 
     Between neighbouring edges at a corner there is room for an arc where they enclose more than half a turn.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.analysis.cost_bound import CostBound
+from stplan.analysis.joint_bounds import Together
 from stplan.explain.costs import cost_section, payments
 
 
@@ -25,6 +26,19 @@ def test_those_who_pay_most_of_the_difference_are_named_first():
         "a0 pays 3, 2 more than alone (20% of the difference)",
     ]
     assert [one.agent for one in payments(found)] == ["a1", "a0"]
+
+
+def test_gates_that_all_have_to_queue_at_are_named():
+    group = Together("gate", np.array([0, 2]), 1.25, (0.5, -2.0), 0.8)
+    found = CostBound(("ann", "bob", "cid"), np.array([3.0, 1.0, 3.0]), np.ones(3), (group,))
+    section = cost_section(found)
+    assert section.lead.startswith("All agents together pay 7 J s, and at least 4.25 on any plan")
+    assert section.facts[0].sentence == (
+        "ann and cid pass 0.8 m at (0.5, -2) one after another, "
+        "for which they pay at least 1.25 more on any plan"
+    )
+    assert section.facts[0].as_dict()["agents"] == ("ann", "cid")
+    assert len(section.facts) == 3
 
 
 def test_a_crowd_that_shares_alike_is_not_all_named():

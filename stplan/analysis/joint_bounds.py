@@ -1,0 +1,160 @@
+"""What groups of agents have to pay beyond what each would pay alone, because they are in each other's way.
+
+Every agent is in one group at most, so what groups pay more adds up to what all pay alone. Only agents whose
+least cost alone is that of an even pace from start to goal until their latest arrival are in groups: those
+without waypoints, with one goal, that do not mind when they arrive.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from stplan.analysis.gates import Gate, find_gates
+from stplan.analysis.queues import Passers, least_asides, queue_bound
+from stplan.arrays import FloatArray, IntArray, Point
+from stplan.problem.planning_problem import PlanningProblem
+
+# Share by which bounds are made smaller, against rounding here and in what a certificate lets pass.
+ROUNDING = 1e-8
+# Gates are looked at that agents at an even pace keep busy for more than this share of the time, and only
+# so many.
+BUSY, MOST_TRIED = 0.25, 4
+# What groups pay more than alone counts from this share on.
+NEGLIGIBLE = 1e-6
+
+
+@dataclass(frozen=True)
+class Together:
+    """What some agents pay at least beyond what they would pay alone.
+
+    Attributes:
+        kind: what makes them.
+        agents: (n,) sorted.
+        extra: J s.
+        place: where, m.
+        width: of the gate, m.
+    """
+
+    kind: Literal["gate"]
+    agents: IntArray
+    extra: float
+    place: Point
+    width: float
+
+    def as_dict(self, names: Sequence[str]) -> dict[str, Any]:
+        """For the report."""
+        return {
+            "kind": self.kind,
+            "agents": [names[a] for a in self.agents.tolist()],
+            "extra": self.extra,
+            "place": list(self.place),
+            "width": self.width,
+        }
+
+
+def joint_bounds(problem: PlanningProblem, legs: Sequence[FloatArray]) -> tuple[Together, ...]:
+    """Groups of agents and what each pays at least beyond what its agents would pay alone.
+
+    Args:
+        legs: (w + 1,) lower bounds of the ways of every agent between its stops, m.
+    """
+    if problem.free_space is None:
+        return ()
+    gates = find_gates(problem, _even_paced(problem).tolist(), legs)
+    asked = [own for own in (_passers(problem, gate) for gate in gates) if own is not None]
+    return tuple(_best_queues(problem, asked))
+
+
+@dataclass(frozen=True)
+class _Queue:
+    """Agents that keep clear of each other and pass a gate."""
+
+    gate: Gate
+    passers: Passers
+
+    @property
+    def load(self) -> float:
+        """Share of the time that they keep the gate busy at an even pace."""
+        own = self.passers
+        busy = own.aside * (own.end - own.begin) / own.whole
+        return float(busy.sum() / (own.end.max() - own.begin.min()))
+
+    def without(self, agents: IntArray) -> _Queue:
+        """The same for all but `agents`."""
+        kept = ~np.isin(self.gate.agents, agents)
+        return _Queue(self.gate.only(kept), self.passers.only(kept))
+
+
+def _best_queues(problem: PlanningProblem, queues: list[_Queue]) -> list[Together]:
+    """Of `queues` those that add most, one after another, without agents in common."""
+    found: list[Together] = []
+    tried = 0
+    while queues and tried < MOST_TRIED:
+        best, most = None, NEGLIGIBLE
+        queues.sort(key=lambda queue: -queue.load)
+        for queue in queues[: MOST_TRIED - tried]:
+            if queue.load < BUSY:
+                break
+            tried += 1
+            alone = float(queue.passers.alone.sum())
+            extra = (1.0 - ROUNDING) * queue_bound(queue.passers) - alone
+            if extra > most * alone:
+                best, most = queue, extra / alone
+        if best is None:
+            break
+        gate = best.gate
+        x, y = problem.frame.points(gate.ends.mean(axis=0)[None])[0].tolist()
+        extra = most * float(best.passers.alone.sum()) * problem.frame.cost
+        found.append(
+            Together("gate", gate.agents, extra, (x, y), gate.width * problem.frame.length)
+        )
+        rest = [queue.without(gate.agents) for queue in queues]
+        queues = [queue for queue in rest if len(queue.gate.agents) > 1]
+    return found
+
+
+def _even_paced(problem: PlanningProblem) -> IntArray:
+    """Agents that move at an even pace from start to goal until their latest arrival if they are alone."""
+    assigned = {a for one in problem.scene.assignments for a in one.members}
+    return np.array(
+        [
+            a
+            for a, agent in enumerate(problem.scene.agents)
+            if agent.path is None
+            and not agent.waypoints
+            and not agent.goal_places
+            and a not in assigned
+            and (agent.preferred_time is None or agent.weights.arrival <= 0.0)
+            and agent.weights.kinetic > 0.0
+        ],
+        dtype=np.int64,
+    )
+
+
+def _passers(problem: PlanningProblem, gate: Gate) -> _Queue | None:
+    """Those who pass `gate` one at a time and all keep clear of each other; None if there are not two."""
+    clear = np.zeros(len(gate.agents), dtype=bool)
+    for k, agent in enumerate(gate.agents.tolist()):
+        clear[k] = problem.collides[agent, gate.agents[clear]].all()
+    gate = gate.only(clear)
+    while len(gate.agents) > 1:
+        who = gate.agents
+        aside = least_asides(gate, problem.radii[who], problem.distance[np.ix_(who, who)])
+        if (aside > 0.0).all():
+            weights = np.array([problem.scene.agents[a].weights.kinetic for a in who.tolist()])
+            passers = Passers(
+                stiffness=0.5 * weights * problem.masses[who],
+                begin=problem.start_times[who],
+                end=problem.max_times[who],
+                aside=aside,
+                before=gate.before,
+                after=gate.after,
+                whole=gate.whole,
+            )
+            return _Queue(gate, passers)
+        gate = gate.only(aside > 0.0)
+    return None
