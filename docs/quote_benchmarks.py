@@ -28,7 +28,7 @@ def quoted(page: str, folder: Path) -> str:
 
 def main(folder: Path) -> None:
     """Renew the tables and pictures of the pages that quote benchmarks."""
-    for page in (HERE / "performance.md", HERE / "seeding.md"):
+    for page in (HERE / "performance.md", HERE / "seeding.md", HERE / "method.md"):
         page.write_text(quoted(page.read_text(encoding="utf-8"), folder), encoding="utf-8")
     for picture in sorted(folder.glob("*.png")):
         shutil.copyfile(picture, HERE / "pictures" / f"bench-{picture.name}")

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stplan.arrays import FloatArray
+from stplan.arrays import FloatArray, IntArray
 from stplan.bench.makespan import fastest
 from stplan.bench.rivals import casadi_grid, jupedsim_model, ompl_joint, rvo2
 from stplan.bench.rivals.task import Motion, Task
@@ -185,15 +185,21 @@ def smallest_clearance(
     scene: Scene, free_space: FreeSpace | None, curves: Sequence[FloatArray]
 ) -> float:
     """The smallest clearance of agents to one another and to the walls, in continuous time, m."""
-    count = len(curves)
-    wanted = np.triu(np.ones((count, count), dtype=bool), 1)
-    lines = WorldLines.from_curves([agent.id for agent in scene.agents], list(curves))
-    leaves = np.array([curve[-1, 2] for curve in curves])
-    found = nearest_moments(lines, leaves, wanted)
+    pairs, distance = smallest_distances(scene, curves)
     radii = np.array([agent.radius for agent in scene.agents])
-    gaps = found.distance - radii[found.pairs].sum(axis=1)
+    gaps = distance - radii[pairs].sum(axis=1)
     smallest = float(gaps.min(initial=np.inf))
     if free_space is not None:
         walls = wall_distances(free_space, curves).distance
         smallest = min(smallest, float((walls - radii).min()))
     return smallest
+
+
+def smallest_distances(scene: Scene, curves: Sequence[FloatArray]) -> tuple[IntArray, FloatArray]:
+    """Pairs (N, 2) of agents and how near their centres come while both are on their way, m."""
+    count = len(curves)
+    wanted = np.triu(np.ones((count, count), dtype=bool), 1)
+    lines = WorldLines.from_curves([agent.id for agent in scene.agents], list(curves))
+    leaves = np.array([curve[-1, 2] for curve in curves])
+    found = nearest_moments(lines, leaves, wanted)
+    return found.pairs, found.distance

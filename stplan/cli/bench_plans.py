@@ -12,7 +12,7 @@ from stplan.cli.bench_crowds import app
 from stplan.cli.command import command
 from stplan.cli.console import Console
 
-__all__ = ["app", "paper", "quality"]
+__all__ = ["app", "features", "paper", "quality", "repulsion"]
 
 
 @command(benchmarks, without=NO_JSON)
@@ -108,3 +108,51 @@ def paper(
     every = chosen_scenes(scenes, [], small=(), every=tuple(paper.FIGURES), full=True)
     snapping = deviations.snap_places(every)
     return finish(console, output, paper_table.files(compared, timings, outcomes, snapping))
+
+
+@command(benchmarks, without=NO_JSON)
+def features(console: Console, *, output: Output = FOLDER) -> int:
+    """What this planner and its rivals can do, each feature shown by a figure.
+
+    A small scene for every feature: unequal masses and sizes, tight places, smoothness, arrivals,
+    meetings. Rivals that are not installed are left out. Writes features.csv and features.md.
+
+    \b
+    Examples:
+      stplan bench features
+      stplan bench features -o docs
+    """
+    from stplan.bench import features, features_table
+
+    return finish(
+        console, output, features_table.files(features.measure(progress=console.progress))
+    )
+
+
+@command(benchmarks, without=NO_JSON)
+def repulsion(
+    console: Console,
+    *,
+    output: Output = FOLDER,
+    scenes: Annotated[Path, typer.Option(metavar="DIR", help="Where the scenes are.")] = Path(
+        "scenes"
+    ),
+    full: Full = False,
+) -> int:
+    """Repulsive curves beside our plans: how long, and how far apart, either gets.
+
+    Rods of the least tangent-point energy, 2 to 20 % longer than straight ones, in the same time as our plan.
+
+    \b
+    Examples:
+      stplan bench repulsion
+      stplan bench repulsion --full
+    """
+    from stplan.bench import repulsion
+    from stplan.bench.named_scenes import chosen_scenes
+
+    named = repulsion.FULL_SCENES if full else repulsion.SMALL_SCENES
+    files = chosen_scenes(scenes, [], small=named, every=named, full=full)
+    return finish(
+        console, output, repulsion.files(repulsion.measure(files, progress=console.progress))
+    )

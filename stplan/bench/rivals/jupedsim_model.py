@@ -28,7 +28,8 @@ ROOM = 15.0
 def drive(task: Task) -> Motion:
     """Simulate until everyone has left by its own exit, or `time_limit` seconds of the agents' time."""
     squares = [shapely.box(*(goal - GOAL_SIZE), *(goal + GOAL_SIZE)) for goal in task.goals]
-    return _simulated(task.scene, _floor(task), squares, task.speed, task.time_limit)
+    speeds = [task.pace(agent) for agent in range(len(squares))]
+    return _simulated(task.scene, _floor(task), squares, speeds, task.time_limit)
 
 
 def leave(scene: Scene, free_space: FreeSpace, speed: float, time_limit: float) -> Motion:
@@ -36,14 +37,14 @@ def leave(scene: Scene, free_space: FreeSpace, speed: float, time_limit: float) 
     (place,) = scene.agents[0].goal_places
     behind = place.shape().buffer(EXIT_DEPTH, cap_style="flat").intersection(free_space.polygon)
     exits = [shapely.convex_hull(behind)] * len(scene.agents)
-    return _simulated(scene, free_space.polygon, exits, speed, time_limit)
+    return _simulated(scene, free_space.polygon, exits, [speed] * len(exits), time_limit)
 
 
 def _simulated(
     scene: Scene,
     floor: shapely.Geometry,
     exits: Sequence[shapely.Geometry],
-    speed: float,
+    speeds: Sequence[float],
     time_limit: float,
 ) -> Motion:
     import jupedsim
@@ -68,7 +69,7 @@ def _simulated(
                     journey_id=journey,
                     stage_id=stage,
                     radius=one.radius,
-                    desired_speed=speed,
+                    desired_speed=speeds[agent],
                     time_gap=TIME_GAP,
                 )
             )

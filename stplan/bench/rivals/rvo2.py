@@ -41,7 +41,7 @@ def drive(task: Task) -> Motion:
         places = frames[-1]
         for agent, way in enumerate(task.ways):
             heading[agent] = next_stop(way, heading[agent], places[agent], NEAR_CORNER)
-            wish = _wish(way[heading[agent]] - places[agent], task.speed)
+            wish = _wish(way[heading[agent]] - places[agent], task.pace(agent))
             wish += rng.uniform(-SHAKE, SHAKE, 2)
             simulator.set_agent_pref_velocity(agent, tuple(wish.tolist()))
         simulator.do_step()

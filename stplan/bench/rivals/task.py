@@ -46,6 +46,14 @@ class Task:
         """(A,) m."""
         return np.array([agent.radius for agent in self.scene.agents])
 
+    def pace(self, agent: int) -> float:
+        """The speed (m/s) that somebody would like: the greatest, or what its preferred arrival asks for."""
+        own = self.scene.agents[agent]
+        if own.preferred_time is None:
+            return self.speed
+        length = float(np.hypot(*np.diff(self.ways[agent], axis=0).T).sum())
+        return min(self.speed, length / (own.preferred_time - own.start_time))
+
 
 @dataclass(frozen=True)
 class Motion:
