@@ -27,6 +27,8 @@ FORMATS = GALLERY / "formats"
 COLOURS = 240
 # The scenes of README.
 PICTURE, MOVIE = "bottleneck", "warehouse"
+# The scene of docs/seeding.md that shows the paper's initial curves behind its plan.
+INITIAL = SCENES / "roomba" / "roomba.yaml"
 
 
 @dataclass(frozen=True)
@@ -122,6 +124,16 @@ def readme_pictures() -> None:
     stplan("animate", RUNS / MOVIE, "--size", 640, "--fps", 15, "-o", movie).check_returncode()
 
 
+def initial_picture() -> None:
+    """Raw initial curves against the plan that begins with them, by the paper's recipe."""
+    runs = RUNS / "paper"
+    stplan("solve", INITIAL, "--set", "preset=paper", "-o", runs).check_returncode()
+    picture = PICTURES / "initial.png"
+    shown = ("--seed", "--show", "map", "--dpi", 100, "-o", picture)
+    stplan("plot", runs / INITIAL.stem, *shown).check_returncode()
+    reduce(picture)
+
+
 def format_pictures() -> None:
     """A picture for every command of docs/formats.md that imports a sample."""
     FORMATS.mkdir(exist_ok=True)
@@ -142,10 +154,13 @@ def format_pictures() -> None:
 
 
 def main(names: list[str]) -> int:
-    """Make the whole gallery, draw some scenes again, or only the formats of other programs."""
+    """Make the whole gallery, draw some scenes again, only the formats of others, or the initial curves."""
     scenes = sorted(SCENES.rglob("*.yaml"))
     if names == ["formats"]:
         format_pictures()
+        return 0
+    if names == ["initial"]:
+        initial_picture()
         return 0
     if names:
         for scene in scenes:
@@ -158,6 +173,7 @@ def main(names: list[str]) -> int:
     GALLERY.mkdir(exist_ok=True)
     (GALLERY / "README.md").write_text(page(entries), encoding="utf-8")
     readme_pictures()
+    initial_picture()
     format_pictures()
     failed = [entry for entry in entries if entry.report is None]
     for entry in failed:
