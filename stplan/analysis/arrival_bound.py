@@ -1,7 +1,7 @@
 """When agents can arrive at the earliest, each and all of them, on any plan.
 
 Nobody arrives before it has come along its shortest way within its limits of motion, through its windows and
-dwells (docs/method.md has the proof).
+dwells, and many not before they are through the gates that they have to pass (docs/method.md has the proof).
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from stplan.analysis.capacity import passings
 from stplan.analysis.shortest_trips import shortest_duration, shortest_legs
 from stplan.arrays import FloatArray
 from stplan.problem.planning_problem import PlanningProblem
@@ -49,8 +50,27 @@ class ArrivalBound:
 
 def arrival_bound(problem: PlanningProblem) -> ArrivalBound:
     """The earliest arrivals in `problem`, in the user's time; prescribed motion arrives when it does."""
-    earliest = problem.frame.times(earliest_arrivals(problem, shortest_legs(problem)))
-    return ArrivalBound(problem.agent_ids, earliest, float(earliest.max()), float(np.sum(earliest)))
+    legs = shortest_legs(problem)
+    earliest = earliest_arrivals(problem, legs)
+    makespan, delay = float(earliest.max()), 0.0
+    left = np.ones(len(earliest), dtype=bool)
+    through = passings(problem, legs)
+    gains = [one.total - float(earliest[one.agents].sum()) for one in through]
+    for k in np.argsort(-np.array(gains), kind="stable").tolist():
+        one = through[k]
+        makespan = max(makespan, one.makespan)
+        # Nobody is delayed by two gates at once.
+        if gains[k] > 0.0 and left[one.agents].all():
+            left[one.agents] = False
+            delay += gains[k]
+    frame = problem.frame
+    arrivals = frame.times(earliest)
+    return ArrivalBound(
+        problem.agent_ids,
+        arrivals,
+        float(frame.times(np.array([makespan]))[0]),
+        float(np.sum(arrivals)) + frame.time * delay,
+    )
 
 
 def earliest_arrivals(problem: PlanningProblem, legs: list[FloatArray]) -> FloatArray:

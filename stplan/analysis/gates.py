@@ -62,19 +62,24 @@ class Gate:
 
 
 def find_gates(
-    problem: PlanningProblem, agents: Sequence[int], whole: Sequence[FloatArray]
+    problem: PlanningProblem,
+    agents: Sequence[int],
+    whole: Sequence[FloatArray],
+    widest: float = WIDEST,
 ) -> list[Gate]:
     """Gates that at least two of `agents` have to pass, the narrowest first; none in the open.
 
     Args:
-        agents: those that may be asked, who have a start and a goal and no waypoint.
+        agents: those that may be asked, who have no waypoint. Of those who end in places the way on from the
+            gate leads to their present goal.
         whole: (1,) lower bounds of the way of every agent of `problem` from start to goal, m.
+        widest: largest width over the largest radius.
     """
     space = problem.free_space
     heeding = [a for a in agents if problem.heeds_walls[a]]
     if space is None or len(heeding) < 2:
         return []
-    lines = _lines(space, WIDEST * float(problem.radii[heeding].max()), problem.radii.min())
+    lines = _lines(space, widest * float(problem.radii[heeding].max()), problem.radii.min())
     passing = [(line, _who_passes(problem, line, heeding)) for line in lines]
     passing = [(line, who) for line, who in passing if len(who) > 1]
     if not passing:
@@ -145,7 +150,15 @@ def _who_passes(problem: PlanningProblem, line: FloatArray, agents: Sequence[int
         begin = _part(parts, problem.starts[mine])
         end = _part(parts, problem.goals[mine])
         parted = (begin >= 0) & (end >= 0) & (begin != end)
-        found += [a for a, passes in zip(mine, parted.tolist(), strict=True) if passes]
+        found += [
+            a
+            for a, passes, part in zip(mine, parted.tolist(), begin.tolist(), strict=True)
+            if passes
+            and not any(
+                shapely.intersects(parts[part], place.shape())
+                for place in problem.scene.agents[a].goal_places
+            )
+        ]
     return sorted(found)
 
 
