@@ -21,10 +21,17 @@ from tests.claims.plans import (
 
 def test_the_message_is_delivered_in_a_hurry(claim):
     """An agent meets another "to deliver a message" and then arrives "faster than the other agents"."""
-    found = curves("pond/messenger")
-    others = min(arrival(own) for agent, own in found.items() if agent != "mia")
-    claim("pond-messenger", "messenger's lead at arrival, s", others - arrival(found["mia"]),
-          at_least=2.0)  # fmt: skip
+    leads = {}
+    for story in ("messenger", "strangers"):
+        found = curves(f"pond/{story}")
+        others = min(arrival(own) for agent, own in found.items() if agent != "mia")
+        leads[story] = others - arrival(found["mia"])
+    claim("pond-messenger", "messenger's lead at arrival, s", leads["messenger"], at_least=2.0)
+    claim(
+        "pond-strangers", "her lead with no message to deliver, s", leads["strangers"], at_most=1.0
+    )
+    ways = [path_length(curves(f"pond/{story}")["mia"]) for story in ("messenger", "strangers")]
+    claim("pond-messenger", "her way over that with no message", ways[0] / ways[1], at_least=1.1)
 
 
 def test_two_meet_and_everyone_arrives_together(claim):
