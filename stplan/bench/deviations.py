@@ -53,7 +53,7 @@ FULL_SCENES = (
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Trial:
     """A variant's plan of a scene.
 
     Attributes:
@@ -86,7 +86,7 @@ class Gain:
     seconds: float
 
 
-def measure(files: Mapping[str, Path], seconds: float, *, progress: Progress) -> list[Outcome]:
+def measure(files: Mapping[str, Path], seconds: float, *, progress: Progress) -> list[Trial]:
     """Every variant on every scene, each stopped after so many seconds of processor time."""
     warm_up()
     found = []
@@ -98,7 +98,7 @@ def measure(files: Mapping[str, Path], seconds: float, *, progress: Progress) ->
     return found
 
 
-def _outcome(name: str, variant: str, scene: Scene, seconds: float) -> Outcome:
+def _outcome(name: str, variant: str, scene: Scene, seconds: float) -> Trial:
     began = time.process_time()
     ends = began + seconds
     figures, planned = run(scene, stop=lambda: time.process_time() > ends)
@@ -106,10 +106,10 @@ def _outcome(name: str, variant: str, scene: Scene, seconds: float) -> Outcome:
     cost = np.nan
     if planned is not None and figures.certified:
         cost = float(own_costs(scene, planned.trajectories or planned.seed).sum())
-    return Outcome(variant, name, cost, figures.iterations, taken)
+    return Trial(variant, name, cost, figures.iterations, taken)
 
 
-def gains(outcomes: Sequence[Outcome]) -> list[Gain]:
+def gains(outcomes: Sequence[Trial]) -> list[Gain]:
     """Every variant beside the default."""
     known = {(one.variant, one.scene): one for one in outcomes}
     scenes = list(dict.fromkeys(one.scene for one in outcomes))
@@ -173,7 +173,7 @@ def snap_places(files: Mapping[str, Path]) -> Snapping:
     return Snapping(places, away, in_walls)
 
 
-def deviations_text(outcomes: Sequence[Outcome], snapping: Snapping) -> str:
+def deviations_text(outcomes: Sequence[Trial], snapping: Snapping) -> str:
     """The gains as a table, and what snapping would do."""
     scenes = len({one.scene for one in outcomes})
     head = (

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 
 from stplan.bench.csv_table import csv_table
-from stplan.bench.deviations import Outcome, Snapping, deviations_text
+from stplan.bench.deviations import Snapping, Trial, deviations_text
 from stplan.bench.markdown import number, table
 from stplan.bench.paper import PLOTS, WAYS, Compared, IterationTimes, Recipe, growths
 from stplan.bench.plots import Series, growth_figure
@@ -31,7 +31,7 @@ _HEAD = (
 def files(
     compared: Sequence[Compared],
     timings: Sequence[IterationTimes],
-    outcomes: Sequence[Outcome],
+    outcomes: Sequence[Trial],
     snapping: Snapping,
 ) -> dict[str, bytes]:
     """Names and contents of the files of the measurement."""

@@ -75,8 +75,8 @@ def test_the_broad_phase_saves_a_power(plot, sizes, power) -> None:
 
 
 def test_a_deviation_is_measured_over_the_default() -> None:
-    def outcome(variant: str, scene: str, cost: float, seconds: float) -> deviations.Outcome:
-        return deviations.Outcome(variant, scene, cost, 10, seconds)
+    def outcome(variant: str, scene: str, cost: float, seconds: float) -> deviations.Trial:
+        return deviations.Trial(variant, scene, cost, 10, seconds)
 
     outcomes = [
         outcome(variant, scene, 2.0, 1.0) for scene in "ab" for variant in deviations.VARIANTS
