@@ -12,8 +12,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
-from stplan.compiled import working_time
-
 _deadline: ContextVar[float] = ContextVar("deadline", default=float("inf"))
 
 
@@ -33,7 +31,13 @@ def until(deadline: float) -> Iterator[None]:
 
 def passed(ahead: float = 0.0) -> bool:
     """Whether the deadline of the work at hand has passed, or will have in so many seconds."""
-    return working_time() + ahead > _deadline.get()
+    latest = _deadline.get()
+    if latest == float("inf"):
+        return False
+    # Without a deadline, as in validation, there is no need of compiled kernels.
+    from stplan.compiled import working_time
+
+    return working_time() + ahead > latest
 
 
 def heed(ahead: float = 0.0) -> None:
