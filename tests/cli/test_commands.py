@@ -95,6 +95,7 @@ def test_every_scene_is_planned_and_the_worst_status_counts(stage, run):
         f"one: {Status.FAILED.advice}",
         "two: outer iteration 1",
         "two: sam is blocked by ann",
+        f"two: more on this: {SeedingError.page}",
         "three: outer iteration 1",
     ]
     assert _names("outputs") == ["one", "three"]

@@ -53,6 +53,11 @@ class Hints:
     def __init__(self) -> None:
         self._left = MOST_HINTS
 
+    @property
+    def spent(self) -> bool:
+        """Whether there have been so many that nobody reads more."""
+        return not self._left
+
     def __call__(self, word: object, choices: Iterable[str]) -> str:
         """The hint, or nothing where no choice is close to `word`."""
         known = list(choices)
@@ -130,7 +135,8 @@ def _unknown(steps: tuple[str | int, ...], hints: Hints) -> str:
     if steps[0] == "defaults" and len(steps) == 2 and steps[1] in AgentFile.model_fields:
         return "is for each agent to say; any other key of agents is expected in defaults"
     *most, last = known
-    return "unknown key" + (hints(steps[-1], known) or f"; {', '.join(most)} and {last} are known")
+    all_known = "" if hints.spent else f"; {', '.join(most)} and {last} are known"
+    return "unknown key" + (hints(steps[-1], known) or all_known)
 
 
 def _sentence(kind: str, fault: Any, written: str | None, hints: Hints) -> str:
