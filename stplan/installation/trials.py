@@ -15,6 +15,8 @@ from stplan.errors import SeedingError
 from stplan.installation.kernels import all_kernels
 from stplan.problem.world_lines import WorldLines
 from stplan.scene import parse_scene
+from stplan.seeding.margins import margin_ladder
+from stplan.seeding.search.joint import plan_jointly
 from stplan.seeding.search.joint_search import JointSearch
 from stplan.seeding.search.levels import Levels
 from stplan.seeding.seeder import Budget
@@ -123,11 +125,18 @@ def compile_kernels(progress: Watch | None = None) -> tuple[str, ...]:
             with suppress(SeedingError):
                 planner.plan(parse_scene(text))
             tell()
-        JointSearch(Levels(planner.prepare(parse_scene(_ROOM)))).attempt(Budget())
+        _search_jointly(Levels(planner.prepare(parse_scene(_ROOM))))
         scene = parse_scene(_crowd_text(_CROWD))
         planner.check(scene, _straight_lines(scene))
         tell()
     return tuple(name for name, kernel in kernels.items() if not kernel.overloads)
+
+
+def _search_jointly(levels: Levels) -> None:
+    """The last resorts of search, which scenes as simple as these do not need."""
+    JointSearch(levels).attempt(Budget())
+    level = levels.at(margin_ladder(levels.problem.scene.seeding.margin)[-1])
+    plan_jointly(level.planner(1), (0, 1), np.random.default_rng(0), lambda: False)
 
 
 def _crowd_text(count: int) -> str:

@@ -79,14 +79,14 @@ def sample_scene(**solver: object) -> Scene:
 
 
 def limited_scene(**solver: object) -> Scene:
-    """The same with limits of motion that the seed keeps, and a meeting."""
+    """The same with limits of motion that the seed keeps and a meeting, to be over early."""
     scene = sample_scene(**solver)
     agents = tuple(
         replace(agent, max_speed=4.0, max_acceleration=9.0 if a else None)
         for a, agent in enumerate(scene.agents)
     )
     meet = PairRule((0,), (2,), meet=Meet(9.0))
-    return replace(scene, agents=agents, pairs=(*scene.pairs, meet))
+    return replace(scene, agents=agents, pairs=(*scene.pairs, meet), minimise="makespan")
 
 
 def sample_program(
