@@ -15,7 +15,9 @@ from tests.claims.plans import SCENES, planned
 # Scenes that take more than a few seconds are planned by `make claims` only.
 LARGE = {
     "aircraft/first-class", "circle/circle-20", "circle/circle-25", "circle/circle-30",
-    "circle/circle-35", "flash-mob/flash-mob", "mazes/corn", "mazes/rings", "meadow/meadow",
+    "circle/circle-35", "crowds/counterflow", "crowds/evacuation", "crowds/lecture-hall",
+    "crowds/platform-exchange", "crowds/stadium-mouth", "flash-mob/flash-mob", "mazes/corn", "mazes/rings",
+    "meadow/meadow",
     "tight/cabin", "tight/door", "tight/parking-lot", "tight/warehouse",
 }  # fmt: skip
 NAMES = sorted(str(path.relative_to(SCENES).with_suffix("")) for path in SCENES.rglob("*.yaml"))

@@ -56,7 +56,10 @@ class WeightsFile(FileModel):
 class WaypointFile(FileModel):
     """A waypoint with a time: where, when and for how long."""
 
-    at: Point = Field(description="[x, y] in m")
+    at: Annotated[Point | None, GIVEN] = key("[x, y] in m")
+    place: Annotated[Identifier | None, GIVEN] = key(
+        "name of one of `places`, instead of `at`: the point of it nearest to the straight way"
+    )
     window: Annotated[Interval | None, GIVEN] = key(
         "[from, to] in s: between these times the agent is there, and stays as long as `dwell` asks"
     )
@@ -102,7 +105,7 @@ class SharedFields(FileModel):
         "there; default: any, at rest with a max_acceleration"
     )
     waypoints: Annotated[Annotated[list[Waypoint], Field(max_length=1000)] | None, GIVEN] = key(
-        "points [x, y] in m, passed in this order at free times, or mappings with at, window, dwell"
+        "points [x, y] in m, passed in this order at free times, or mappings with at or place, window, dwell"
     )
     weights: Annotated[WeightsFile | None, GIVEN] = key(
         "weights of the costs; those left out come from `defaults`, one by one"

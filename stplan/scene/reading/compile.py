@@ -35,6 +35,7 @@ from stplan.scene.reading.haste import haste_faults, latest_time, with_long_hori
 from stplan.scene.reading.merge import merged_agent
 from stplan.scene.reading.overlaps import overlap_faults
 from stplan.scene.reading.pair_rules import Placed, group_rules, meeting_faults, pair_rules
+from stplan.scene.reading.passing import passed_places, with_passed_points
 from stplan.scene.reading.patterns import Listed, listed_agents, num_agents
 from stplan.scene.reading.places import Places, compile_places
 from stplan.schema.mapping import Fault
@@ -191,6 +192,9 @@ def compile_scene(
     if not any(path.startswith(PLACED) for path, _ in faults):
         full: list[Fault] = []
         scene = with_drawn_starts(scene, _drawn(listed, places, hints), full)
+        scene = with_passed_points(
+            scene, passed_places(listed, parts.defaults, places, hints), full
+        )
         faults += full or overlap_faults(scene)
         faults += meeting_faults(scene, [rule.path for rule in rules])
     return scene, faults

@@ -14,13 +14,14 @@ from stplan.maps.reader import Floor, MapError
 from stplan.scene.interactions import PairSettings
 from stplan.scene.model import Scene
 from stplan.scene.places import Place
+from stplan.scene.reading.regions import OFF_WALLS, region_of
 from stplan.schema.mapping import Fault
 
 if TYPE_CHECKING:
     import shapely
 
-# Spots lie so many times as far apart, and from walls, as they have to: nobody starts wedged in.
-ROOMY, OFF_WALLS = 1.1, 1.02
+# Spots lie so many times as far apart as they have to: nobody starts wedged in.
+ROOMY = 1.1
 # Of points this many times as many as agents are drawn one is taken after another where it is free; where
 # they run out, spots of a lattice are, at ever smaller distances down to what is needed.
 DRAWS = 200
@@ -76,7 +77,7 @@ class _Draw:
         return replace(self._scene, agents=agents)
 
     def _fill(self, place: Place, room: float, members: list[int]) -> None:
-        region = self._region(place, room)
+        region = region_of(place, self._floor, room)
         path = self._scene.agent_path(members[0]).partition("]")[0] + "]"
         radius = amount(self._scene.agents[members[0]].radius)
         if region.is_empty:
@@ -128,23 +129,6 @@ class _Draw:
         """A start in (x, y, c t), m."""
         time = self._scene.agents[agent].start_time
         return np.array([start[0], start[1], self._scene.time_scale * time])
-
-    def _region(self, place: Place, room: float) -> shapely.Geometry:
-        """Where centres may be that keep `room` (m) from the walls."""
-        import shapely
-
-        from stplan.maps.floor import polylines
-
-        shape = place.shape()
-        if self._floor is None:
-            return shape
-        with np.errstate(all="ignore"):
-            area = shapely.buffer(self._floor.area, -room) if room > 0 else self._floor.area
-            region = shapely.intersection(shape, area)
-            if room > 0 and len(self._floor.slits):
-                slits = shapely.union_all(shapely.buffer(polylines(self._floor.slits), room))
-                region = shapely.difference(region, slits)
-        return region
 
 
 def _scattered(region: shapely.Geometry, count: int, rng: np.random.Generator) -> FloatArray:

@@ -41,10 +41,6 @@ def _point(values: list[float]) -> Point:
     return (values[0], values[1])
 
 
-def _place(entry: list[float] | WaypointFile) -> Point:
-    return _point(entry.at if isinstance(entry, WaypointFile) else entry)
-
-
 def _visit(entry: list[float] | WaypointFile) -> Visit:
     if not isinstance(entry, WaypointFile):
         return Visit()
@@ -103,7 +99,7 @@ class _Merge:
             goal = goal_places[0].points[0] if goal_places else self._end("goal")
             start_time, max_time = self._times(horizon)
             entries = self._value("waypoints", [])
-            waypoints = tuple(_place(entry) for entry in entries)
+            waypoints = tuple(self._waypoint(k, entry) for k, entry in enumerate(entries))
             visits = tuple(_visit(entry) for entry in entries)
             visits = visits if any(visit != Visit() for visit in visits) else ()
             max_speed = self._value("max_speed", None)
@@ -149,6 +145,23 @@ class _Merge:
             found = self._places.of_start(value, self._listed.place(key), self._faults, self._hints)
             return found[0].points[0] if found else (0.0, 0.0)
         return _point(value if isinstance(value, list) else [0.0, 0.0])
+
+    def _waypoint(self, k: int, entry: list[float] | WaypointFile) -> Point:
+        """A waypoint; of a place any point, the one that is passed is chosen later."""
+        if not isinstance(entry, WaypointFile):
+            return _point(entry)
+        if entry.at is not None and entry.place is not None:
+            self._fault(f"waypoints[{k}]", "has both at and place; one of them is expected")
+        if entry.at is None and entry.place is None:
+            text = "is missing; a point [x, y] in m is expected, or a place"
+            self._fault(f"waypoints[{k}].at", text)
+        if entry.place is not None:
+            key = f"waypoints[{k}].place"
+            own = self._own.waypoints is not None
+            path = self._listed.place(key) if own else f"defaults.{key}"
+            place = self._places.named(entry.place, path, self._faults, self._hints)
+            return place.points[0] if place is not None else (0.0, 0.0)
+        return _point(entry.at or [0.0, 0.0])
 
     def _goal_places(self) -> tuple[Place, ...]:
         goal = self._own.goal

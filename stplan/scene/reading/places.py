@@ -60,7 +60,7 @@ class Places:
             found: tuple[Place, ...] = ()
             if chosen == "any":
                 every = [
-                    self._named(name, f"{path}.any[{k}]", faults, hints)
+                    self.named(name, f"{path}.any[{k}]", faults, hints)
                     for k, name in enumerate(entry.any or [])
                 ]
                 found = tuple(dict.fromkeys(place for place in every if place is not None))
@@ -79,10 +79,11 @@ class Places:
     ) -> tuple[Place, ...]:
         if chosen != "place" or entry.place is None:
             return (compile_place("", entry, path, faults),)
-        place = self._named(entry.place, f"{path}.place", faults, hints)
+        place = self.named(entry.place, f"{path}.place", faults, hints)
         return () if place is None else (place,)
 
-    def _named(self, name: str, path: str, faults: list[Fault], hints: Hints) -> Place | None:
+    def named(self, name: str, path: str, faults: list[Fault], hints: Hints) -> Place | None:
+        """The place of a name; None with a new fault where there is none, or where it could not be read."""
         if name not in self.known and self.complete:
             text = f"is '{name}', which is none of the scene's places"
             hint = hints(name, self.known)
