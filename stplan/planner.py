@@ -89,6 +89,7 @@ def plan(
     progress: Progress | None = None,
     live: LiveLine | None = None,
     stop: Stop | None = None,
+    num_workers: int = 1,
 ) -> Plan:
     """Plan `scene`: find a seed, optimise it, certify the result.
 
@@ -97,6 +98,8 @@ def plan(
         live: given a maker of a progress line after every iteration of Ipopt.
         stop: asked while there are curves to keep, after every iteration; True ends with the best
             feasible ones so far. `stplan.stopping` has one for handlers of signals.
+        num_workers: processes that optimise blocks of many agents at the same time, forked off this one where
+            the system can; the plan is the same for any number.
 
     Raises:
         SceneError: the scene does not fit its map, or not into memory.
@@ -124,7 +127,9 @@ def plan(
             lines = initial.seed.world_lines
             sharp = sharpened(problem, lines)
             if scene.minimise == "energy":
-                optimised = optimise_whole(sharp, lines, progress=progress, live=live, stop=stop)
+                optimised = optimise_whole(
+                    sharp, lines, progress=progress, live=live, stop=stop, num_workers=num_workers
+                )
             else:
                 optimised = hasten(sharp, lines, progress=progress, live=live, stop=stop)
         plans.append(_planned(sharp, initial, optimised, clock))

@@ -14,6 +14,7 @@ import typer
 
 from stplan.cli.command import command, group
 from stplan.cli.console import Console, worst, write
+from stplan.cli.cores import usable_cores
 from stplan.cli.options import Overrides
 from stplan.cli.signals import answered_by
 from stplan.errors import UsageError
@@ -150,13 +151,6 @@ def batch(
     else:
         console.result(done.sentence, f"  {output}{os.sep}: {' '.join(SUMMARIES)}")
     return status
-
-
-def usable_cores() -> int:
-    """Cores that this process may use; a scheduler may have given it fewer than there are."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _preview(console: Console, runs: Sequence[Run], settings: Settings) -> int:

@@ -29,6 +29,15 @@ Overrides = Annotated[
         help="Override a value of the scene, as in solver.mu=0.1 or agents.sam.radius=0.4; may be repeated.",
     ),
 ]
+Workers = Annotated[
+    int | None,
+    typer.Option(
+        "--workers",
+        metavar="N",
+        min=1,
+        help="Processes that optimise blocks of many agents at the same time.  [default: all cores]",
+    ),
+]
 Budget = Annotated[
     str | None,
     typer.Option(

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from stplan.cli.command import command, group
 from stplan.cli.console import Console, note_failure, worst
-from stplan.cli.options import Budget, Output, Overrides, ScenePaths
+from stplan.cli.cores import usable_cores
+from stplan.cli.options import Budget, Output, Overrides, ScenePaths, Workers
 from stplan.cli.scenes import read_scene
 from stplan.cli.signals import answered_by
 from stplan.errors import SceneError, StoppedError, UsageError
@@ -34,13 +35,14 @@ def solve(
     output: Output = Path("outputs"),
     overrides: Overrides = None,
     improve: Budget = None,
+    workers: Workers = None,
 ) -> int:
     """Plan scenes; write their trajectories and a report.
 
     For every scene initial curves are found that are clear of each other and of the walls, then all
     are made smooth and cheap at once, and the result is certified by code of its own. Interrupted
     (Ctrl-C, SIGTERM) it writes the best feasible trajectories so far. The same scene gives the same
-    bytes, run.json excepted.
+    bytes, run.json excepted, whatever --workers.
 
     With --improve the plan is improved afterwards: other ways around each other are tried for a few
     agents at a time, and what is cheaper and certified is kept.
@@ -55,7 +57,10 @@ def solve(
       stplan solve scenes/*/*.yaml --quiet
       stplan solve scenes/tight/cabin.yaml --improve 30s
     """
-    return _plan_scenes(console, scenes, output, overrides or [], seed_only=False, improve=improve)
+    return _plan_scenes(
+        console, scenes, output, overrides or [],
+        seed_only=False, improve=improve, num_workers=workers or usable_cores(),
+    )  # fmt: skip
 
 
 @command(app)
@@ -86,6 +91,7 @@ def _plan_scenes(
     *,
     seed_only: bool,
     improve: str | None = None,
+    num_workers: int = 1,
 ) -> int:
     """Plan every scene that can be read; all that cannot are named first."""
     from stplan.improvement.budget import ImprovementBudget
@@ -98,8 +104,9 @@ def _plan_scenes(
         prefix = f"{scene.name}: " if len(paths) > 1 else ""
         try:
             _plan_one(
-                console, scene, output, budget, seed_only=seed_only, prefix=prefix, record=record
-            )
+                console, scene, output, budget,
+                seed_only=seed_only, prefix=prefix, record=record, num_workers=num_workers,
+            )  # fmt: skip
         except (Exception, KeyboardInterrupt) as error:
             if isinstance(error, KeyboardInterrupt) and "files" in record:
                 record["exit_status"] = StoppedError.exit_status
@@ -153,6 +160,7 @@ def _plan_one(
     seed_only: bool,
     prefix: str,
     record: Record,
+    num_workers: int,
 ) -> None:
     """Plan a scene, write its files and fill its record."""
     from stplan import planner
@@ -166,7 +174,9 @@ def _plan_one(
             planned = planner.seed(scene, progress=progress, stop=stop)
         else:
             with console.live_line(prefix) as live:
-                planned = planner.plan(scene, progress=progress, live=live, stop=stop)
+                planned = planner.plan(
+                    scene, progress=progress, live=live, stop=stop, num_workers=num_workers
+                )
                 if budget is not None:
                     planned = planner.improve(
                         planned, budget, progress=progress, live=live, stop=stop

@@ -12,6 +12,8 @@ from stplan.costs.contacts.smooth_minimum import SmoothMinimum
 from stplan.problem.layout import KnotLayout
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.rods import Rods
+from stplan.problem.surroundings import Surroundings
+from stplan.scene.interactions import Interactions
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,7 @@ class Scales:
         kinetic: (A,) K^K, or more where an agent hardly minds its motion: what E_a is worth.
         stiffness: (A,) mass over the mean duration of a segment, kg/s: the scale of kinetic second
             derivatives.
-        pair_reach: (A, A) m, clearance at which repulsion starts.
+        pair_reach: (A + B, A + B) m, clearance at which repulsion starts, of the agents and those around.
         wall_reach: (A,) m.
         span: from the earliest start to the latest arrival, s.
     """
@@ -48,12 +50,17 @@ class Scales:
 
     @property
     def pair_barrier(self) -> FloatArray:
-        """(A, A) what pairs feel of mu: the geometric mean, or one's own where the other is prescribed."""
-        own = np.where(self.barrier > 0.0, self.barrier, 1.0)
+        """(A + B, A + B) what pairs feel of mu: the geometric mean, or of one alone where the other is fixed.
+
+        As many as `pair_reach` is for: behind the agents those around them.
+        """
+        barrier = np.zeros(len(self.pair_reach))
+        barrier[: len(self.barrier)] = self.barrier
+        own = np.where(barrier > 0.0, barrier, 1.0)
         mean = np.sqrt(own[:, None] * own[None, :])
-        fixed = self.barrier == 0.0
-        mean = np.where(fixed[:, None], self.barrier[None, :], mean)
-        return np.where(fixed[None, :], self.barrier[:, None], mean)
+        fixed = barrier == 0.0
+        mean = np.where(fixed[:, None], barrier[None, :], mean)
+        return np.where(fixed[None, :], barrier[:, None], mean)
 
     def lead_in(self, factor: float) -> Scales:
         """With barriers `factor` times as strong, but no more than what an agent pays asks for."""
@@ -88,6 +95,7 @@ class Formulation:
         rods: segments and tails.
         padding: relative enlargement of all distances, so that what is left at the end is positive
             for any reader's rounding; small enough for the seed to stay feasible.
+        surroundings: B agents that are no part of the problem and do not move, None without any.
     """
 
     problem: PlanningProblem
@@ -96,6 +104,13 @@ class Formulation:
     scales: Scales
     timed: TimedConstraints
     padding: float = 0.0
+    surroundings: Surroundings | None = None
+
+    @property
+    def interactions(self) -> Interactions:
+        """Of the agents, then of those around them."""
+        around = self.surroundings
+        return self.problem.interactions if around is None else around.interactions
 
     def weights(self, name: str) -> FloatArray:
         """(A,) the weights of the scene's agents by their key."""

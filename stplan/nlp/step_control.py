@@ -147,8 +147,11 @@ class StepControl:
         total = 0.0
         terms = list(self._terms)
         for place, term in enumerate(terms):
-            terms[place] = term.renewed(knots)
-            total += terms[place].value(knots)
+            if term.touches(knots):
+                total = np.inf
+            else:
+                terms[place] = term.renewed(knots)
+                total += terms[place].value(knots)
             if not np.isfinite(total):
                 self._terms = tuple(terms)
                 self._touched |= Capability.CLEARANCE in term.capabilities

@@ -75,6 +75,11 @@ class Term(Protocol):
         del knots
         return self
 
+    def touches(self, knots: FloatArray) -> bool:
+        """Whether the value at `knots` is known to be inf before the term is prepared for them."""
+        del knots
+        return False
+
     def is_stale(self, knots: FloatArray) -> bool:
         """Whether the structure has no room for an interaction that is felt at `knots`."""
         del knots

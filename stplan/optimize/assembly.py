@@ -18,6 +18,7 @@ from stplan.optimize.timed_constraints import find_timed_constraints
 from stplan.problem.layout import KnotLayout
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.rods import Rods
+from stplan.problem.surroundings import Surroundings
 from stplan.problem.world_lines import WorldLines
 from stplan.seeding.rendezvous import Rendezvous
 
@@ -26,28 +27,34 @@ PADDING = 1e-4
 
 
 def formulate(
-    problem: PlanningProblem, seed: WorldLines, planned: Sequence[Rendezvous] = ()
+    problem: PlanningProblem,
+    seed: WorldLines,
+    planned: Sequence[Rendezvous] = (),
+    surroundings: Surroundings | None = None,
 ) -> Formulation:
-    """What stays the same while `problem` is optimised from `seed`.
+    """What stays the same while `problem` is optimised from `seed`, clear of its `surroundings`.
 
     Pairs with a `planned` place meet there.
     """
+    interactions = problem.interactions if surroundings is None else surroundings.interactions
     layout, knots = KnotLayout.from_offsets(seed.offsets), seed.knots
     formulation = Formulation(
         problem=problem,
         layout=layout,
         rods=Rods.build(
-            layout, knots, np.flatnonzero(problem.stays), problem.final_time, problem.time_scale
+            layout, knots, np.flatnonzero(problem.stays), problem.final_time, problem.time_scale,
+            None if surroundings is None else surroundings.rods,
         ),
-        scales=derive_scales(problem, layout, knots),
+        scales=derive_scales(problem, layout, knots, interactions.distance),
         timed=find_timed_constraints(problem, layout, knots, planned),
-    )
+        surroundings=surroundings,
+    )  # fmt: skip
     return replace(formulation, padding=_padding(formulation, knots))
 
 
 def _padding(formulation: Formulation, knots: FloatArray) -> float:
     """As much padding as the seed's clearance allows."""
-    scales, widest = formulation.scales, float(formulation.problem.distance.max())
+    scales, widest = formulation.scales, float(formulation.interactions.distance.max())
     # Barriers of hardly any range would not see what the padding needs.
     reach = 2.0 * PADDING * widest
     seeing = replace(

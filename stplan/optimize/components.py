@@ -14,7 +14,7 @@ import numpy as np
 
 from stplan.arrays import BoolArray, IntArray
 from stplan.optimize.continuation import LiveLine, Optimisation, OuterIteration
-from stplan.optimize.parts import DividedProblem
+from stplan.optimize.parts import DividedProblem, Part
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.status import Status
 
@@ -67,7 +67,7 @@ def optimise_components(
         for number, component in enumerate(new, start=1):
             heading = f"part {number} of {len(new)}"
             begin = 0 if turn == 0 else min(LATER_BEGIN, last)
-            done = parts.optimise(component, begin=begin, live=_headed(live, heading))
+            done = parts.optimise(Part(component, begin), _headed(live, heading))
             if done is None:
                 failed = True
                 continue

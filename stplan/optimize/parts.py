@@ -6,32 +6,65 @@ came too near out of view is looked at afterwards; then the part is optimised an
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.costs.formulation import TermSetup
 from stplan.costs.registry import build_terms
-from stplan.geometry.rod_neighbours import near_segments
 from stplan.nlp.step_control import Stopwatch
 from stplan.nlp.term import Capability
 from stplan.optimize.assembly import formulate
 from stplan.optimize.continuation import LiveLine, Optimisation, OuterIteration, optimise
 from stplan.optimize.cost_scales import CostScales, written_costs
+from stplan.optimize.surveyor import Surveyor
 from stplan.problem.planning_problem import PlanningProblem
-from stplan.problem.restriction import Piece, restricted
+from stplan.problem.restriction import restricted
 from stplan.problem.world_lines import WorldLines
-from stplan.scene.interactions import pair_clearances
 from stplan.status import Status
 
 # How far around its rods a part sees others, in ranges of the barriers; twice as far each time that this
 # was too little.
 VIEW = 3.0
 MOST_VIEWS = 4
-# Stretches of a rod out of view no longer than so many segments are not left out.
-SHORT_GAP = 2
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part that is to be optimised.
+
+    Attributes:
+        agents: who, increasing.
+        begin: values of mu that are left out.
+        tolerance: factor on the scene's.
+        beside: who is being moved at the same time: half of the room towards them is left to them.
+        strength: factor on barriers around others who plan, too.
+    """
+
+    agents: IntArray
+    begin: int = 0
+    tolerance: float = 1.0
+    beside: IntArray | None = None
+    strength: float = 1.0
+
+
+@dataclass(frozen=True)
+class PartResult:
+    """What became of a part.
+
+    Attributes:
+        agents: who, increasing.
+        curves: theirs.
+        iterations, nonzeros, watch: as for an `Optimisation`.
+    """
+
+    agents: IntArray
+    curves: tuple[FloatArray, ...]
+    iterations: int
+    nonzeros: int
+    watch: Stopwatch
 
 
 class DividedProblem:
@@ -46,102 +79,95 @@ class DividedProblem:
     def __init__(
         self, problem: PlanningProblem, seed: WorldLines, stop: Callable[[], bool]
     ) -> None:
-        self.problem, self._seed, self._stop = problem, seed, stop
+        self.problem, self._seed, self.stop = problem, seed, stop
         self.formulation = formulate(problem, seed)
         self.knots = seed.knots.copy()
-        self._range = self.formulation.scales.pair_reach
-        wish = pair_clearances(problem.scene)
-        self._wish = 0.0 if wish is None else wish
+        self.surveyor = Surveyor(problem, self.formulation)
         self._watch = Stopwatch()
         self._iterations = self._nonzeros = 0
 
-    def optimise(
-        self,
-        agents: IntArray,
-        *,
-        begin: int = 0,
-        tolerance: float = 1.0,
-        live: LiveLine | None = None,
-    ) -> Optimisation | None:
-        """Some agents in view of the others; None where they cannot be moved without touching somebody.
+    def optimise(self, part: Part, live: LiveLine | None = None) -> Optimisation | None:
+        """Some agents in view of the others; None where they cannot be moved without touching somebody."""
+        found = self._optimised(part, live)
+        if found is None:
+            return None
+        self.take(_result(*found))
+        return found[1]
 
-        Args:
-            agents: who, increasing.
-            begin: values of mu that are left out.
-            tolerance: factor on the scene's.
-        """
+    def optimised(self, part: Part) -> PartResult | None:
+        """Like `optimise`, with everybody left where they are."""
+        found = self._optimised(part, None)
+        return None if found is None else _result(*found)
+
+    def _optimised(self, part: Part, live: LiveLine | None) -> tuple[IntArray, Optimisation] | None:
         solver = self.problem.scene.solver
-        solver = replace(solver, optimality_tolerance=tolerance * solver.optimality_tolerance)
-        whole = replace(self.problem, scene=replace(self.problem.scene, solver=solver))
+        tolerance = part.tolerance * solver.optimality_tolerance
+        scene = replace(self.problem.scene, solver=replace(solver, optimality_tolerance=tolerance))
+        members = self.surveyor.with_partners(part.agents)
+        problem = restricted(replace(self.problem, scene=scene), members)
+        lines = WorldLines.from_curves(problem.agent_ids, [self.curve(agent) for agent in members])
         view = VIEW
         for _ in range(MOST_VIEWS):
-            pieces = self._pieces(agents, view)
-            part = restricted(whole, agents, pieces)
-            curves = [self._curve(agent) for agent in agents] + [piece.curve for piece in pieces]
-            lines = WorldLines.from_curves(part.agent_ids, curves)
+            around = self.surveyor.around(self.knots, members, view, part.beside, part.strength)
             found = optimise(
-                part, lines, progress=_unheard, stop=self._stop, begin=begin, live=live
-            )
-            self._iterations += found.iterations
-            self._nonzeros = max(self._nonzeros, found.nonzeros)
-            _add(self._watch, found.watch)
-            before = self.knots.copy()
-            for agent, curve in zip(agents, found.world_lines.curves(), strict=False):
-                self._curve(agent)[:] = curve
-            if not len(self._near(agents, 0.0)):
-                return found
-            self.knots = before
+                problem, lines, progress=_unheard, stop=self.stop, begin=part.begin, live=live,
+                formulation=formulate(problem, lines, surroundings=around),
+            )  # fmt: skip
+            moved = self._with(members, found.world_lines.curves())
+            if not len(self.surveyor.near(moved, members, 0.0).own):
+                return members, found
             view *= 2.0
         return None
 
-    def in_view(self) -> BoolArray:
-        """(A, A) whether a pair that collides is in view of each other."""
-        rods, problem = self.formulation.rods, self.problem
-        pairs = near_segments(
-            rods.positions(self.knots), rods.segments, rods.agents, problem.collides,
-            problem.distance + VIEW * self._range + self._wish,
-        )  # fmt: skip
-        seen = np.zeros_like(problem.collides)
-        first, second = rods.agents[pairs].T
-        seen[first, second] = seen[second, first] = True
-        return seen
+    def take(self, result: PartResult) -> None:
+        """Move a part to where its optimisation led."""
+        self.knots = self._with(result.agents, result.curves)
+        self._count(result)
 
-    def _curve(self, agent: int) -> FloatArray:
+    def take_clear(self, result: PartResult, groups: IntArray) -> IntArray:
+        """Move those of a part who are clear of what others have become meanwhile; who was not moved.
+
+        Who stays clears nobody's way, so it is asked again until all are clear. Of `groups` (A,) either all
+        members of one are moved or none.
+        """
+        self._count(result)
+        moved, left = self._with(result.agents, result.curves), result.agents
+        while len(left):
+            touching = self.formulation.rods.agents[self.surveyor.near(moved, left, 0.0).own]
+            if not len(touching):
+                break
+            stay = np.isin(groups[left], groups[touching])
+            back, left = left[stay], left[~stay]
+            offsets = self.formulation.layout.offsets
+            for agent in back.tolist():
+                own = slice(offsets[agent], offsets[agent + 1])
+                moved[own] = self.knots[own]
+        self.knots = moved
+        return np.setdiff1d(result.agents, left)
+
+    def _count(self, result: PartResult) -> None:
+        self._iterations += result.iterations
+        self._nonzeros = max(self._nonzeros, result.nonzeros)
+        _add(self._watch, result.watch)
+
+    def curve(self, agent: int) -> FloatArray:
+        """(n + 1, 3) knots of an agent as it is now."""
         offsets = self.formulation.layout.offsets
         return self.knots[offsets[agent] : offsets[agent + 1]]
 
-    def _near(self, agents: IntArray, view: float) -> IntArray:
-        """Segments of others that come nearer than they keep, and `view` ranges more."""
-        rods, problem = self.formulation.rods, self.problem
-        inside = np.zeros(problem.num_agents, dtype=bool)
-        inside[agents] = True
-        wish = self._wish if view else 0.0
-        pairs = near_segments(
-            rods.positions(self.knots), rods.segments, rods.agents,
-            problem.collides & (inside[:, None] ^ inside[None, :]),
-            problem.distance + view * self._range + wish, inside[rods.agents],
-        )  # fmt: skip
-        found = np.unique(pairs)
-        return found[~inside[rods.agents[found]]]
+    def _with(self, agents: IntArray, curves: Iterable[FloatArray]) -> FloatArray:
+        """(M, 3) all knots, those of `agents` moved to `curves`."""
+        knots, offsets = self.knots.copy(), self.formulation.layout.offsets
+        for agent, curve in zip(agents.tolist(), curves, strict=True):
+            knots[offsets[agent] : offsets[agent + 1]] = curve
+        return knots
 
-    def _pieces(self, agents: IntArray, view: float) -> list[Piece]:
-        """The stretches of others' curves in view of some agents."""
-        near = self._near(agents, view)
-        rods, layout = self.formulation.rods, self.formulation.layout
-        own = len(layout.segment)
-        tails = set(rods.agents[near[near >= own]].tolist())
-        seen: dict[int, list[int]] = {agent: [] for agent in tails}
-        for segment in near[near < own].tolist():
-            agent = int(layout.agent_of_segment[segment])
-            seen.setdefault(agent, []).append(int(layout.segment[segment] - layout.first[agent]))
-        pieces = []
-        for agent in sorted(seen):
-            last = int(layout.num_segments[agent]) - 1
-            segments = sorted({*seen[agent], *([last] if agent in tails else [])})
-            for run in _runs(segments):
-                curve = self._curve(agent)[run[0] : run[-1] + 2].copy()
-                pieces.append(Piece(agent, curve, agent in tails and run[-1] == last))
-        return pieces
+    def in_view(self) -> BoolArray:
+        """(A, A) whether a pair that collides is in view of each other."""
+        seen = np.zeros_like(self.problem.collides)
+        first, second = self.surveyor.pairs_in_view(self.knots, VIEW).T
+        seen[first, second] = seen[second, first] = True
+        return seen
 
     def price(self) -> float:
         """What the agents pay, without barriers, in the user's units."""
@@ -191,15 +217,9 @@ class DividedProblem:
         )
 
 
-def _runs(segments: Sequence[int]) -> list[list[int]]:
-    """Increasing indices cut where more than `SHORT_GAP` are left out."""
-    runs: list[list[int]] = []
-    for segment in segments:
-        if runs and segment - runs[-1][-1] <= SHORT_GAP + 1:
-            runs[-1].append(segment)
-        else:
-            runs.append([segment])
-    return runs
+def _result(agents: IntArray, found: Optimisation) -> PartResult:
+    curves = tuple(found.world_lines.curves())
+    return PartResult(agents, curves, found.iterations, found.nonzeros, found.watch)
 
 
 def _add(watch: Stopwatch, other: Stopwatch) -> None:

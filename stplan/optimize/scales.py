@@ -33,9 +33,19 @@ LEAST_SHARE, STANDING_SHARE = 0.1, 1e-6
 RANGE_SHARE = 0.25
 
 
-def derive_scales(problem: PlanningProblem, layout: KnotLayout, knots: FloatArray) -> Scales:
-    """Scales for `problem` from its seed `knots` (M, 3)."""
-    scene, interactions = problem.scene, problem.interactions
+def derive_scales(
+    problem: PlanningProblem,
+    layout: KnotLayout,
+    knots: FloatArray,
+    distance: FloatArray | None = None,
+) -> Scales:
+    """Scales for `problem` from its seed `knots` (M, 3).
+
+    `distance` (A + B, A + B) is what its agents keep from each other and from those around them, m; the
+    problem's own without any.
+    """
+    scene = problem.scene
+    kept = problem.distance if distance is None else distance
     masses, radii = problem.masses, problem.radii
     weights = np.array([agent.weights.kinetic for agent in scene.agents])
     moving = Kinetic(layout, np.ones_like(weights), masses).per_agent(knots)
@@ -65,9 +75,9 @@ def derive_scales(problem: PlanningProblem, layout: KnotLayout, knots: FloatArra
         regularity=regularity,
         kinetic=np.maximum(weights, worth),
         stiffness=np.maximum(weights, worth) * masses * layout.num_segments / durations,
-        pair_reach=RANGE_SHARE * interactions.distance
+        pair_reach=RANGE_SHARE * kept
         if barrier_range is None
-        else np.full_like(interactions.distance, barrier_range),
+        else np.full_like(kept, barrier_range),
         wall_reach=RANGE_SHARE * 2 * radii
         if barrier_range is None
         else np.full_like(radii, barrier_range),

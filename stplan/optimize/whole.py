@@ -21,15 +21,18 @@ def optimise_whole(
     progress: Callable[[str], None],
     stop: Callable[[], bool],
     live: LiveLine | None = None,
+    num_workers: int = 1,
 ) -> Optimisation:
-    """Make `seed` smooth and cheap.
+    """Make `seed` smooth and cheap, with `num_workers` processes where there are blocks.
 
     Raises:
         SolverError: Ipopt lacks the linear solver or an option asked for.
     """
     size = block_size(problem)
     if size is not None:
-        return optimise_blocks(problem, seed, size, progress=progress, stop=stop, live=live)
+        return optimise_blocks(
+            problem, seed, size, progress=progress, stop=stop, live=live, num_workers=num_workers
+        )
     formulation = None
     if _separable(problem):
         parts = DividedProblem(problem, seed, stop)

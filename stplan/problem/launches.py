@@ -18,7 +18,7 @@ from stplan.errors import SeedingError
 from stplan.geometry.rod_distances import segment_distances
 from stplan.problem.clearance import STRICT, wall_clearance
 from stplan.problem.planning_problem import LEAST_AUTO_KNOTS, PlanningProblem
-from stplan.problem.restriction import Piece, restricted
+from stplan.problem.restriction import Piece, with_obstacles
 from stplan.reasons import Reason
 
 # Launches last as long as a mean segment, and are halved so often where they would touch something.
@@ -85,7 +85,7 @@ class Launches:
             start_times=times,
         )
         obstacles = [Piece(a, piece, False) for a, piece in self.pieces.items()]
-        found = restricted(launched, np.arange(count), obstacles)
+        found = with_obstacles(launched, obstacles)
         collides = found.collides.copy()
         for number, a in enumerate(self.pieces, start=count):
             collides[a, number] = collides[number, a] = False

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from stplan.arrays import FloatArray, IntArray
 from stplan.bench import families_open as wide
+from stplan.nlp.step_control import Stopwatch
 from stplan.optimize import blocks, parts
-from stplan.optimize.blocks import block_size, split
+from stplan.optimize.blocks import at_once, block_size, split
 from stplan.optimize.continuation import Optimisation
-from stplan.optimize.parts import DividedProblem
+from stplan.optimize.parts import DividedProblem, PartResult
+from stplan.optimize.surveyor import Surveyor
 from stplan.optimize.whole import optimise_whole
 from stplan.planner import find_initial_curves, plan, prepare
 from stplan.problem.kinetic_cost import total_kinetic_cost
@@ -97,13 +101,13 @@ def test_what_came_near_out_of_view_is_seen_the_next_time(
 ) -> None:
     problem, seed = seeded
     views = []
-    pieces = DividedProblem._pieces
+    around = Surveyor.around
 
-    def noted(self: DividedProblem, block: np.ndarray, view: float) -> list:
+    def noted(self: Surveyor, knots: FloatArray, agents: IntArray, view: float, *more: Any) -> Any:
         views.append(view)
-        return pieces(self, block, view)
+        return around(self, knots, agents, view, *more)
 
-    monkeypatch.setattr(DividedProblem, "_pieces", noted)
+    monkeypatch.setattr(Surveyor, "around", noted)
     monkeypatch.setattr(parts, "VIEW", 1e-3)
     found = optimised(problem, seed)
     assert max(views) > 1e-3
@@ -120,8 +124,52 @@ def test_a_stop_between_blocks_leaves_a_clear_plan(
     assert not verify(problem, list(found.world_lines.curves()))
 
 
+def test_blocks_at_once_are_loosely_coupled() -> None:
+    split_in_four = [np.arange(4) + 4 * k for k in range(4)]
+    inside = [(a, a + 1) for k in range(4) for a in range(4 * k, 4 * k + 3)]
+    near = np.array([*inside, *[(a, a + 4) for a in range(4)], *[(a, a + 4) for a in range(8, 12)]])
+    found = at_once(split_in_four, near, 16)
+    numbers = [sorted(int(block[0]) // 4 for block in group) for group in found]
+    assert sorted(number for group in numbers for number in group) == [0, 1, 2, 3]
+    assert not any({0, 1} <= set(group) or {2, 3} <= set(group) for group in numbers)
+    assert max(map(len, numbers)) == 2
+
+
+def test_who_would_touch_somebody_stays_with_all_who_then_would(
+    seeded: tuple[PlanningProblem, WorldLines],
+) -> None:
+    problem, seed = seeded
+    parts = DividedProblem(problem, seed, lambda: False)
+    block = np.arange(12)
+    before = parts.knots.copy()
+    # One goes the way of another one, who is in another block.
+    own, other = parts.curve(3).copy(), parts.curve(20)
+    curves = [parts.curve(agent).copy() for agent in block.tolist()]
+    curves[3] = np.linspace(other[0], other[-1], len(own))
+    result = PartResult(block, tuple(curves), 5, 7, Stopwatch())
+    assert parts.take_clear(result, np.arange(24)).tolist() == [3]
+    assert np.array_equal(parts.knots, before)
+    together = np.arange(24)
+    together[5] = 3
+    assert parts.take_clear(result, together).tolist() == [3, 5]
+
+
+def test_the_same_bytes_whoever_optimises() -> None:
+    problem = prepare(flows(4))
+    (initial,) = find_initial_curves(problem)
+    found = [
+        optimise_whole(
+            problem, initial.seed.world_lines,
+            progress=lambda line: None, stop=lambda: False, num_workers=number,
+        )
+        for number in (1, 3)
+    ]  # fmt: skip
+    assert np.array_equal(found[0].world_lines.knots, found[1].world_lines.knots)
+    assert found[0].outer_iterations == found[1].outer_iterations
+
+
 def test_a_scene_in_blocks_is_certified_and_repeats() -> None:
-    first, second = (plan(flows(6)) for _ in range(2))
+    first, second = plan(flows(6)), plan(flows(6), num_workers=2)
     assert first.exit_status == 0
     assert first.certificate.holds
     assert first.trajectories is not None

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import stplan
-from stplan.optimize.continuation import optimise
+from stplan.optimize.whole import optimise_whole
 from stplan.planner import write_plan
 from stplan.scene import load_scene
 from stplan.status import Status
@@ -68,7 +68,7 @@ def test_every_cost_is_recomputed_from_the_files(tmp_path, given, terms) -> None
 
 def test_costs_of_a_broken_plan_are_those_of_its_initial_curves(tmp_path, monkeypatch) -> None:
     def displaced(*args, **kwargs):
-        found = optimise(*args, **kwargs)
+        found = optimise_whole(*args, **kwargs)
         moved = found.world_lines.knots + np.array([0.0, 0.1, 0.0])
         return replace(found, world_lines=found.world_lines.with_knots(moved))
 

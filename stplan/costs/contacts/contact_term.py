@@ -19,7 +19,7 @@ from stplan.costs.contacts.blocks import MISSING, ContactBlocks, DenseCoupling
 from stplan.costs.contacts.contact_set import ContactList, ContactSet
 from stplan.costs.contacts.potential import Coefficients, Potential
 from stplan.geometry.contacts import Measured, add_gradient, add_hessian, measure
-from stplan.nlp.term import Structure, Term
+from stplan.nlp.term import Capability, Structure, Term
 
 # A contact as soft as this, against the stiffest one, may miss the Hessian for a while: it hardly
 # slows the descent, and its value and gradient are exact all the same.
@@ -79,6 +79,14 @@ class ContactTerm(Term):
         other._latest = None
         other.__dict__.pop("_places", None)
         return other
+
+    def touches(self, knots: FloatArray) -> bool:
+        """Whether contacts of the present list touch at `knots`: then no others need be looked for."""
+        if Capability.CLEARANCE not in self.capabilities or not self._contacts.moved(knots).any():
+            return False
+        positions = self._contacts.candidates.positions(knots)
+        distance = measure(positions, self.contacts.points).distance
+        return self._model.potential.coefficients(distance, self.contacts).least <= 0.0
 
     def _at(self, knots: FloatArray) -> tuple[Self, _Evaluated]:
         """Contacts that are complete at `knots` and their geometry; the latest are kept."""

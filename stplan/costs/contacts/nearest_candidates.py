@@ -51,7 +51,7 @@ class NearestCandidates:
     def _order(self) -> IntArray:
         agents = self.rods.agents
         if not self.tails:
-            agents = agents[: len(agents) - len(self.rods.tail_ends)]
+            agents = agents[: self.rods.num_curve_segments]
         return np.argsort(agents, kind="stable")
 
     @cached_property

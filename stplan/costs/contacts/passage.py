@@ -76,7 +76,7 @@ def rods_stay_apart(
     least = float(distance[collides].min(initial=np.inf))
     if 2.0 * _furthest(step) <= (1.0 - KEPT_ON_THE_WAY) * least:
         return True
-    own = rods.agents[: len(rods.segments) - len(rods.tail_ends)]
+    own = rods.agents[: rods.num_curve_segments]
     tails = np.full(len(distance), -1)
     tails[rods.agents[len(own) :]] = np.arange(len(own), len(rods.segments))
     begins = np.searchsorted(own, np.arange(len(distance) + 1)).astype(np.int64)

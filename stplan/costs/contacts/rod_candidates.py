@@ -105,8 +105,7 @@ class RodCandidates:
         if self.sharpness is not None or not self._finite or moved.mean() > MANY:
             return ContactSet.fresh(self, knots, old.skin)
         around = np.where(moved[:, None], knots, old.around)
-        # Ends of tails never move.
-        ends = np.append(moved, np.zeros(len(self.rods.tail_ends), dtype=bool))
+        ends = np.append(moved, np.zeros(len(self.rods.fixed_points), dtype=bool))
         touched: BoolArray = ends[self.rods.segments].max(axis=1)
         pairs = self._segment_of_point[old.contacts.points[:, ::2]]
         kept = pairs[~touched[pairs].max(axis=1)]
@@ -129,6 +128,7 @@ class RodCandidates:
     def _near(self, positions: FloatArray, skin: float, asked: BoolArray | None = None) -> IntArray:
         rods = self.rods
         find = self.broad_phase if self._finite else brute_force
+        asked = rods.moving if asked is None else asked
         return find(positions, rods.segments, rods.agents, self.collides, self.reach + skin, asked)
 
     def _contacts(self, pairs: IntArray) -> ContactList:

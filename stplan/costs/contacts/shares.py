@@ -23,10 +23,10 @@ def segment_shares(num_segments: IntArray) -> FloatArray:
 
 def rod_shares(rods: Rods, num_knots: int) -> FloatArray:
     """(P,) what a segment of a rod weighs, by the position it ends at; what stands on a goal weighs 1."""
-    own = len(rods.segments) - len(rods.tail_ends)
-    shares = np.ones(num_knots + len(rods.tail_ends))
+    own = rods.num_curve_segments
+    shares = np.ones(num_knots + len(rods.fixed_points))
     agents = rods.agents[:own]
-    shares[rods.segments[:own, 1]] = segment_shares(np.bincount(agents))[agents]
+    shares[rods.segments[:own, 1]] = segment_shares(rods.num_segments)[agents]
     return shares
 
 

@@ -109,14 +109,17 @@ class PairClearance(ContactTerm):
     @classmethod
     def build(cls, setup: TermSetup) -> PairClearance | None:
         """Where a pair wishes for some."""
-        formulation, problem = setup.formulation, setup.formulation.problem
-        wish = pair_clearances(problem.scene)
-        if wish is None or not (problem.interactions.collides & (wish > 0.0)).any():
+        formulation, around = setup.formulation, setup.formulation.surroundings
+        interactions, own = formulation.interactions, formulation.weights("clearance")
+        if around is None:
+            wish = pair_clearances(formulation.problem.scene)
+        else:
+            wish, own = around.wish, np.append(own, around.clearance_weights)
+        if wish is None or not (interactions.collides & (wish > 0.0)).any():
             return None
-        own = formulation.weights("clearance")
         weight = 0.5 * (own[:, None] + own[None, :]) * _unit(formulation)
         return cls(
-            setup.knots, formulation.rods, problem.interactions.collides, problem.distance, wish,
+            setup.knots, formulation.rods, interactions.collides, interactions.distance, wish,
             weight, rod_shares(formulation.rods, len(setup.knots)),
         )  # fmt: skip
 

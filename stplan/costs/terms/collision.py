@@ -111,7 +111,7 @@ class Collision(ContactTerm):
     def build(cls, setup: TermSetup) -> Collision | None:
         """Where a pair collides, at distances with the formulation's padding."""
         formulation = setup.formulation
-        interactions = formulation.problem.interactions
+        interactions = formulation.interactions
         if not interactions.collides.any():
             return None
         padded = replace(

@@ -1,0 +1,220 @@
+"""Who is near some of many agents, looked for around these alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.costs.formulation import Formulation
+from stplan.geometry.rod_distances import segment_distances
+from stplan.geometry.rod_neighbours import near_segments
+from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.restriction import Piece, surroundings
+from stplan.problem.surroundings import Surroundings
+from stplan.scene.interactions import pair_clearances
+
+# Stretches of a rod out of view no longer than so many segments are not left out.
+SHORT_GAP = 2
+# What an agent takes of the room towards another one that is moved at the same time.
+SHARE = 0.5
+
+
+class NearSegments(NamedTuple):
+    """Pairs of segments of agents asked about and others, near each other.
+
+    Attributes:
+        own: (N,) segments of the one.
+        other: (N,) of the other.
+    """
+
+    own: IntArray
+    other: IntArray
+
+
+class Surveyor:
+    """Looks around agents of `problem`."""
+
+    def __init__(self, problem: PlanningProblem, formulation: Formulation) -> None:
+        self._problem = problem
+        self._rods, self._layout = formulation.rods, formulation.layout
+        self._range = formulation.scales.pair_reach
+        self._wish = pair_clearances(problem.scene)
+        collides = problem.collides
+        self._furthest, self._widest = (
+            float(array[collides].max(initial=0.0)) for array in (problem.distance, self._range)
+        )
+        self._wished = 0.0 if self._wish is None else float(self._wish.max())
+        self._partners = _partners(problem)
+
+    def with_partners(self, agents: IntArray) -> IntArray:
+        """`agents`, and those whose motion is prescribed that they meet or are drawn to."""
+        partners = [other for agent in agents.tolist() for other in self._partners.get(agent, ())]
+        return np.unique(np.append(agents, np.array(partners, dtype=np.int64)))
+
+    def near(self, knots: FloatArray, agents: IntArray, view: float) -> NearSegments:
+        """Segments of others that come nearer than they keep, and `view` ranges more.
+
+        Of `agents` those are asked about that plan.
+        """
+        rods, problem = self._rods, self._problem
+        inside = np.zeros(problem.num_agents, dtype=bool)
+        inside[agents] = True
+        asked = (inside & ~problem.prescribed)[rods.agents]
+        positions = rods.positions(knots)
+        chosen = self._around(positions, asked, ~inside[rods.agents], view)
+        owners, number = np.unique(rods.agents[chosen], return_inverse=True)
+        square = np.ix_(owners, owners)
+        pairs = near_segments(
+            positions, rods.segments[chosen], number.astype(np.int64),
+            problem.collides[square] & (inside[owners, None] ^ inside[None, owners]),
+            self._reach(square, view), asked[chosen],
+        )  # fmt: skip
+        pairs = chosen[pairs]
+        first = inside[rods.agents[pairs[:, 0]]]
+        return NearSegments(
+            np.where(first, pairs[:, 0], pairs[:, 1]), np.where(first, pairs[:, 1], pairs[:, 0])
+        )
+
+    def pairs_in_view(self, knots: FloatArray, view: float) -> IntArray:
+        """(N, 2) pairs a < b of agents that come nearer than they keep and `view` ranges more, each once."""
+        rods, problem = self._rods, self._problem
+        everyone = np.ix_(*2 * (np.arange(problem.num_agents),))
+        pairs = near_segments(
+            rods.positions(knots), rods.segments, rods.agents, problem.collides,
+            self._reach(everyone, view),
+        )  # fmt: skip
+        first, second = rods.agents[pairs].T
+        codes = np.unique(first * problem.num_agents + second)
+        return np.column_stack(np.divmod(codes, problem.num_agents)).astype(np.int64)
+
+    def around(
+        self,
+        knots: FloatArray,
+        agents: IntArray,
+        view: float,
+        beside: IntArray | None = None,
+        strength: float = 1.0,
+    ) -> Surroundings | None:
+        """What is in view of `agents`; None where nobody is.
+
+        From agents `beside` they keep half of what is between them as well. Barriers around those who plan,
+        too, are `strength` times as strong.
+        """
+        near = self.near(knots, agents, view)
+        pieces = self._pieces(knots, np.unique(near.other))
+        if not pieces:
+            return None
+        found = surroundings(self._problem, agents, pieces, self._layout.num_segments, self._wish)
+        owners = np.unique([piece.agent for piece in pieces])
+        if strength != 1.0:
+            found = _strengthened(found, ~self._problem.prescribed[owners], strength)
+        if beside is None or not len(beside):
+            return found
+        return _shared(found, *self._gaps(knots, near, agents, owners, beside))
+
+    def _reach(self, square: tuple[IntArray, ...], view: float) -> FloatArray:
+        problem = self._problem
+        reach: FloatArray = problem.distance[square] + view * self._range[square]
+        return reach if self._wish is None or not view else reach + self._wish[square]
+
+    def _around(
+        self, positions: FloatArray, asked: BoolArray, others: BoolArray, view: float
+    ) -> IntArray:
+        """Segments that are `asked` about, and `others` within reach of the box around them."""
+        ends = positions[self._rods.segments]
+        low, high = ends.min(axis=1), ends.max(axis=1)
+        reach = self._furthest + view * self._widest + (self._wished if view else 0.0)
+        least = low[asked].min(axis=0, initial=np.inf) - reach
+        greatest = high[asked].max(axis=0, initial=-np.inf) + reach
+        within = (low <= greatest).all(axis=1) & (high >= least).all(axis=1)
+        return np.flatnonzero(asked | (others & within))
+
+    def _pieces(self, knots: FloatArray, near: IntArray) -> list[Piece]:
+        """The stretches of curves with segments `near`."""
+        rods, layout = self._rods, self._layout
+        own = rods.num_curve_segments
+        tails = set(rods.agents[near[near >= own]].tolist())
+        seen: dict[int, list[int]] = {agent: [] for agent in tails}
+        for segment in near[near < own].tolist():
+            agent = int(layout.agent_of_segment[segment])
+            seen.setdefault(agent, []).append(int(layout.segment[segment] - layout.first[agent]))
+        pieces = []
+        for agent in sorted(seen):
+            last = int(layout.num_segments[agent]) - 1
+            curve = knots[layout.first[agent] : layout.last[agent] + 1]
+            segments = sorted({*seen[agent], *([last] if agent in tails else [])})
+            for run in _runs(segments):
+                stretch = curve[run[0] : run[-1] + 2].copy()
+                pieces.append(Piece(agent, stretch, agent in tails and run[-1] == last))
+        return pieces
+
+    def _gaps(
+        self,
+        knots: FloatArray,
+        near: NearSegments,
+        agents: IntArray,
+        owners: IntArray,
+        beside: IntArray,
+    ) -> tuple[IntArray, IntArray, FloatArray]:
+        """Places of pairs of one of `agents` and one `beside` in view, and their rods' distance (N,)."""
+        rods = self._rods
+        own, other = rods.agents[near.own], rods.agents[near.other]
+        kept = np.isin(other, beside)
+        pairs = np.column_stack([near.own[kept], near.other[kept]])
+        distance = segment_distances(rods.positions(knots), rods.segments, pairs)
+        row = np.searchsorted(agents, own[kept])
+        column = len(agents) + np.searchsorted(owners, other[kept])
+        codes, place = np.unique(row * (len(agents) + len(owners)) + column, return_inverse=True)
+        least = np.full(len(codes), np.inf)
+        np.minimum.at(least, place, distance)
+        row, column = np.divmod(codes, len(agents) + len(owners))
+        return row, column, least
+
+
+def _shared(found: Surroundings, row: IntArray, column: IntArray, gap: FloatArray) -> Surroundings:
+    """`found` with a share of what is between pairs to be kept as well."""
+    distance = found.interactions.distance.copy()
+    kept = distance[row, column]
+    distance[row, column] = kept + (1.0 - SHARE) * np.maximum(gap - kept, 0.0)
+    distance[column, row] = distance[row, column]
+    return replace(found, interactions=replace(found.interactions, distance=distance))
+
+
+def _strengthened(found: Surroundings, which: BoolArray, strength: float) -> Surroundings:
+    """`found` with stronger barriers around those of `which` (B,)."""
+    weight = found.interactions.collision_weight.copy()
+    owners = len(weight) - len(which) + np.flatnonzero(which)
+    weight[:, owners] *= strength
+    weight[owners, :] *= strength
+    return replace(found, interactions=replace(found.interactions, collision_weight=weight))
+
+
+def _partners(problem: PlanningProblem) -> dict[int, list[int]]:
+    """Whom with prescribed motion every agent that plans meets or is drawn to."""
+    prescribed = problem.prescribed
+    found: dict[int, list[int]] = {}
+    if not prescribed.any():
+        return found
+    pairs = [(one.first, one.second) for one in problem.meetings]
+    first, second = np.nonzero(problem.interactions.grouping > 0.0)
+    pairs += zip(first.tolist(), second.tolist(), strict=True)
+    for pair in pairs:
+        for agent, other in (pair, pair[::-1]):
+            if prescribed[other] and not prescribed[agent]:
+                found.setdefault(agent, []).append(other)
+    return found
+
+
+def _runs(segments: Sequence[int]) -> list[list[int]]:
+    """Increasing indices cut where more than `SHORT_GAP` are left out."""
+    runs: list[list[int]] = []
+    for segment in segments:
+        if runs and segment - runs[-1][-1] <= SHORT_GAP + 1:
+            runs[-1].append(segment)
+        else:
+            runs.append([segment])
+    return runs
