@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from stplan.analysis.evasions import Movers, evading_groups
 from stplan.analysis.gates import Gate, find_gates
 from stplan.analysis.queues import Passers, least_asides, queue_bound
 from stplan.arrays import FloatArray, IntArray, Point
@@ -36,14 +37,14 @@ class Together:
         agents: (n,) sorted.
         extra: J s.
         place: where, m.
-        width: of the gate, m.
+        width: of the gate, m; None where they cross each other's ways.
     """
 
-    kind: Literal["gate"]
+    kind: Literal["gate", "crossing"]
     agents: IntArray
     extra: float
     place: Point
-    width: float
+    width: float | None = None
 
     def as_dict(self, names: Sequence[str]) -> dict[str, Any]:
         """For the report."""
@@ -52,7 +53,7 @@ class Together:
             "agents": [names[a] for a in self.agents.tolist()],
             "extra": self.extra,
             "place": list(self.place),
-            "width": self.width,
+            **({} if self.width is None else {"width": self.width}),
         }
 
 
@@ -62,11 +63,43 @@ def joint_bounds(problem: PlanningProblem, legs: Sequence[FloatArray]) -> tuple[
     Args:
         legs: (w + 1,) lower bounds of the ways of every agent between its stops, m.
     """
-    if problem.free_space is None:
-        return ()
-    gates = find_gates(problem, _even_paced(problem).tolist(), legs)
+    paced = _even_paced(problem)
+    gates = find_gates(problem, paced.tolist(), legs)
     asked = [own for own in (_passers(problem, gate) for gate in gates) if own is not None]
-    return tuple(_best_queues(problem, asked))
+    found = _best_queues(problem, asked)
+    queued = [own.agents for own in found]
+    rest = np.setdiff1d(paced, np.concatenate(queued)) if queued else paced
+    return (*found, *_crossings(problem, rest, legs))
+
+
+def _crossings(
+    problem: PlanningProblem, agents: IntArray, legs: Sequence[FloatArray]
+) -> list[Together]:
+    """Groups of those `agents` who start and arrive at the same times and cross each other's ways."""
+    times = np.column_stack([problem.start_times, problem.max_times])[agents]
+    found: list[Together] = []
+    for both in np.unique(times, axis=0):
+        mine = agents[(times == both).all(axis=1)]
+        pairs = np.ix_(mine, mine)
+        weights = np.array([problem.scene.agents[a].weights.kinetic for a in mine.tolist()])
+        movers = Movers(
+            starts=problem.starts[mine],
+            goals=problem.goals[mine],
+            stiffness=weights * problem.masses[mine],
+            vanishes=~problem.stays[mine],
+            distance=np.where(problem.collides[pairs], problem.distance[pairs], 0.0),
+            duration=float(both[1] - both[0]),
+        )
+        ways = np.array([float(legs[a].sum()) for a in mine.tolist()])
+        alone = 0.5 * movers.stiffness * ways**2 / movers.duration
+        for group, evading in evading_groups(movers):
+            own = float(alone[group].sum())
+            extra = (1.0 - ROUNDING) * (float(movers.straight[group].sum()) + evading) - own
+            if extra > NEGLIGIBLE * own:
+                middle = 0.5 * (movers.starts[group] + movers.goals[group]).mean(axis=0)
+                x, y = problem.frame.points(middle[None])[0].tolist()
+                found.append(Together("crossing", mine[group], extra * problem.frame.cost, (x, y)))
+    return found
 
 
 @dataclass(frozen=True)

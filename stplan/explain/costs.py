@@ -28,13 +28,13 @@ class Payment:
 
 
 @dataclass(frozen=True)
-class Queue:
-    """Who passes a gate one after another, and pays at least how much more for it; J s and m."""
+class Conflict:
+    """Who is in each other's way, at a gate or crossing, and pays how much more at least; J s and m."""
 
     agents: tuple[str, ...]
     extra: float
     place: Point
-    width: float
+    width: float | None
 
 
 def cost_section(bound: CostBound) -> Section:
@@ -47,16 +47,16 @@ def cost_section(bound: CostBound) -> Section:
     )
     if bound.excess < NEGLIGIBLE:
         return Section("costs", title, f"{lead}: there is nothing to gain.")
-    facts = [*map(_queue_fact, queues(bound)), *map(_fact, payments(bound))]
+    facts = [*map(_conflict_fact, conflicts(bound)), *map(_fact, payments(bound))]
     lead += f", so this one is at most {100.0 * bound.excess:.3g} % above the best; who pays the difference:"
     return Section("costs", title, lead, facts)
 
 
-def queues(bound: CostBound) -> list[Queue]:
-    """The gates at which agents cannot but wait for each other, those that cost most first."""
+def conflicts(bound: CostBound) -> list[Conflict]:
+    """Who cannot but wait for each other at gates or evade each other, those whom it costs most first."""
     groups = sorted(bound.together, key=lambda group: -group.extra)
     return [
-        Queue(
+        Conflict(
             tuple(bound.agents[a] for a in group.agents.tolist()),
             group.extra,
             group.place,
@@ -78,11 +78,16 @@ def payments(bound: CostBound) -> list[Payment]:
     ]
 
 
-def _queue_fact(queue: Queue) -> Fact:
+def _conflict_fact(conflict: Conflict) -> Fact:
+    where = at(conflict.place)
+    what = (
+        f"cross each other's ways around {where}"
+        if conflict.width is None
+        else f"pass {conflict.width:.4g} m at {where} one after another"
+    )
     return Fact(
-        f"{names(queue.agents)} pass {queue.width:.4g} m at {at(queue.place)} one after another, "
-        f"for which they pay at least {queue.extra:.3g} more on any plan",
-        queue,
+        f"{names(conflict.agents)} {what}, for which they pay at least {conflict.extra:.3g} more on any plan",
+        conflict,
     )
 
 

@@ -39,6 +39,12 @@ def test_gates_that_all_have_to_queue_at_are_named():
     )
     assert section.facts[0].as_dict()["agents"] == ("ann", "cid")
     assert len(section.facts) == 3
+    crossing = Together("crossing", np.array([0, 2]), 1.25, (0.5, -2.0))
+    found = CostBound(("ann", "bob", "cid"), np.array([3.0, 1.0, 3.0]), np.ones(3), (crossing,))
+    assert cost_section(found).facts[0].sentence == (
+        "ann and cid cross each other's ways around (0.5, -2), "
+        "for which they pay at least 1.25 more on any plan"
+    )
 
 
 def test_a_crowd_that_shares_alike_is_not_all_named():
