@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 DEMO := scenes/bottleneck/bottleneck.yaml
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test claims check bench gallery docs notebooks package page format clean
+.PHONY: help demo test claims check bench coverage mutation gallery docs notebooks package page format clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -28,6 +28,13 @@ check: $(VENV)/.installed-dev ## format, lint, types, layers, then the tests: wh
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	@$(MAKE) --no-print-directory test
+
+coverage: $(VENV)/.installed-dev ## measure branch coverage of the tests, by room; fails below 92 %
+	@$(BIN)/python -m pytest -n auto --dist loadfile --cov --cov-report= --cov-report=json:build/coverage.json
+	@$(BIN)/python .ci/coverage_by_room.py build/coverage.json 92
+
+mutation: $(VENV)/.installed-dev ## change the certificate's code in small ways, and see whether its tests notice
+	$(BIN)/python .ci/mutation.py
 
 bench: $(VENV)/.installed-dev ## measure the planner: small benchmarks, a few minutes
 	$(BIN)/stplan bench all
