@@ -18,6 +18,7 @@ from stplan.bench.families_crowds import grid_room
 from stplan.bench.rivals import jupedsim_model
 from stplan.bench.rivals.task import Motion
 from stplan.certify.pair_clearance import nearest_moments
+from stplan.certify.wall_clearance import wall_distances
 from stplan.errors import SeedingError
 from stplan.planner import plan
 from stplan.problem.world_lines import WorldLines
@@ -56,7 +57,7 @@ def outcomes(count: int = COUNT, *, progress: Callable[[str], None]) -> list[Per
         began = time.perf_counter()
         motion = jupedsim_model.leave(scene, free_space, SPEED, TIME_LIMIT)
         seconds = time.perf_counter() - began
-        note = f"{touching_pairs(scene, motion)} pairs touch"
+        note = touches(scene, free_space, motion)
         blank = Performance(NAME, jupedsim_model.NAME, count)
         found.append(measured(blank, scene, free_space, motion, seconds, note))
     return found
@@ -77,10 +78,18 @@ def our_outcome(
     if found.trajectories is None or gap is None or not found.certificate.holds:
         return replace(blank, seconds=seconds, note="no certified plan")
     motion = Motion(list(found.trajectories.curves()), np.ones(blank.agents, dtype=bool))
-    note = (
-        f"{touching_pairs(scene, motion)} pairs touch; certified; no plan before {gap.least:.2f} s"
-    )
+    note = f"{touches(scene, free_space, motion)}; certified; no plan before {gap.least:.2f} s"
     return measured(blank, scene, free_space, motion, seconds, note)
+
+
+def touches(scene: Scene, free_space: FreeSpace | None, motion: Motion) -> str:
+    """Who touches whom, in words."""
+    text = f"{touching_pairs(scene, motion)} pairs touch"
+    if free_space is None:
+        return text
+    radii = np.array([agent.radius for agent in scene.agents])
+    gaps = wall_distances(free_space, motion.curves).distance - radii
+    return f"{text}, {int((gaps < -ROUNDING).sum())} agents touch a wall"
 
 
 def touching_pairs(scene: Scene, motion: Motion) -> int:

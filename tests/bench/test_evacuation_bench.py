@@ -17,7 +17,7 @@ def test_a_small_room_is_left_by_all_and_ours_touches_nobody():
     assert (ours.planner, rival.planner) == (OURS, jupedsim_model.NAME)
     assert ours.arrived == rival.arrived == 6
     assert ours.clearance > 0.0
-    assert ours.note.startswith("0 pairs touch; certified; no plan before ")
+    assert ours.note.startswith("0 pairs touch, 0 agents touch a wall; certified; no plan before ")
     least = float(ours.note.split()[-2])
     assert least <= ours.makespan < 1.3 * least
     assert ours.makespan < rival.makespan
