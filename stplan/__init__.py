@@ -25,8 +25,9 @@ if TYPE_CHECKING:
     from stplan.costs.registry import added_costs
     from stplan.improvement.budget import ImprovementBudget
     from stplan.nlp.derivatives import check_derivatives
-    from stplan.planner import Plan, check, improve, plan, seed, write_plan
+    from stplan.planner import Plan, improve, seed, write_plan
     from stplan.problem.world_lines import WorldLines
+    from stplan.replanning.execution import check, plan
     from stplan.scene import load_scene, parse_scene
     from stplan.scene.model import Agent, Scene
 
@@ -72,13 +73,13 @@ _HOMES = {
     "WorldLines": "stplan.problem.world_lines",
     "added_costs": "stplan.costs.registry",
     "build_scene": "stplan.api.building",
-    "check": "stplan.planner",
+    "check": "stplan.replanning.execution",
     "check_derivatives": "stplan.nlp.derivatives",
     "diff": "stplan.api.results",
     "improve": "stplan.planner",
     "load_scene": "stplan.scene",
     "parse_scene": "stplan.scene",
-    "plan": "stplan.planner",
+    "plan": "stplan.replanning.execution",
     "plot": "stplan.api.pictures",
     "sample": "stplan.api.results",
     "scene_text": "stplan.api.building",

@@ -86,6 +86,8 @@ def read_run(folder: Path, scene: Scene) -> FinishedRun:
     report = read_json(folder / REPORT)
     if report.get("scene", {}).get("hash") != scene.content_hash:
         raise UsageError(f"{scene.source} is not as it was when {folder} was planned; plan it anew")
+    if scene.changes:
+        raise UsageError(f"{folder}: what was executed while its world changed is past improvement")
     file = read_npz(folder / TRAJECTORIES)
     lines = file.world_lines
     if scene.metric == "auto" and file.time_scale is not None:

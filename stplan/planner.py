@@ -17,7 +17,7 @@ from stplan.analysis.metrics import metrics
 from stplan.certify.certificate import Certificate, certify
 from stplan.clock import Clock
 from stplan.compiled import compiled_before
-from stplan.errors import BrokenSeedError, SeedingError, StoppedError
+from stplan.errors import BrokenSeedError, SeedingError, StoppedError, UsageError
 from stplan.geometry.rod_distances import segment_distances
 from stplan.hastening import hasten, with_ample_horizon
 from stplan.improvement.budget import ImprovementBudget
@@ -238,6 +238,8 @@ def prepare(scene: Scene, progress: Progress | None = None) -> PlanningProblem:
     """
     chosen_linear_solver(scene)
     require_options(scene.solver.ipopt)
+    if scene.changes:
+        raise UsageError(f"{scene.name} has events: `stplan solve` plans them, one after another")
     problem = planning_problem.prepare_local(scene)
     _say_notes(scene, problem.written.free_space, progress or _silent)
     if scene.assignments or any(agent.goal_places for agent in scene.agents):

@@ -61,7 +61,7 @@ agents:
   - {id: a, start: [0, 0], goal: [9, 0.5], radius: 0.3, mass: 70, max_speed: 1.5, max_acceleration: 1.0,
      waypoints: [{at: [3, 2], window: [6, 12], dwell: 1.5}]}
   - {id: b, start: [9, -2], goal: [0, -1.5], radius: 0.4, mass: 50, start_time: 2, max_time: 28,
-     start_velocity: [-0.2, -0.4], clearance: 0.1, weights: {regularity: 2.0}}
+     start_velocity: [-0.2, -0.4], start_duration: 0.7, clearance: 0.1, weights: {regularity: 2.0}}
   - {id: bus, path: [[3, -4, 1], [6, -4, 9]], radius: 0.5, mass: 200}
   - {id: c, start: [1, -5], goal: [9, -5], radius: 0.3, mass: 60, preferred_time: 20,
      weights: {arrival: 1.0}}
@@ -99,7 +99,7 @@ class Copy:
 
     def _copied(self, value: Any, key: str) -> Any:
         factors = {
-            "horizon": self.time, "start_time": self.time, "max_time": self.time,
+            "horizon": self.time, "start_time": self.time, "start_duration": self.time, "max_time": self.time,
             "preferred_time": self.time, "window": self.time, "dwell": self.time,
             "radius": self.length, "clearance": self.length, "distance": self.length,
             "within": self.length, "resolution": self.length, "barrier_range": self.length,

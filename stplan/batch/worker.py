@@ -70,7 +70,8 @@ def _plan(
     stop: Callable[[], bool],
     elapsed: Callable[[], float],
 ) -> Outcome:
-    from stplan.planner import plan, plan_files
+    from stplan.planned import plan_files
+    from stplan.replanning.execution import plan
     from stplan.scene import parse_scene
 
     scene = parse_scene(

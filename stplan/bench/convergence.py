@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -120,7 +120,7 @@ def measure(
     paths: Sequence[Path], time_limit: float, variants: Sequence[str], *, progress: Progress
 ) -> list[Convergence]:
     """Every variant on every scene, after untimed scenes that need every kernel."""
-    scenes = [load_scene(path) for path in paths]
+    scenes = [replace(load_scene(path), changes=()) for path in paths]
     progress("convergence: warm-up")
     for variant in variants:
         warm_up(**VARIANTS[variant], outer_iterations=1, max_iterations=2)

@@ -6,7 +6,7 @@ import numpy as np
 
 from stplan.amounts import LARGEST, amount
 from stplan.arrays import FloatArray
-from stplan.certify.motion import missed_visit, place_tolerance
+from stplan.certify.motion import missed_visit, place_tolerance, time_tolerance
 from stplan.certify.places import outside_all
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Agent, Scene
@@ -46,6 +46,7 @@ def broken_ends(agent: Agent, curve: FloatArray, *, assigned: bool = False) -> l
         sentences.append(
             f"{agent.id}: starts with velocity {tuple((step[:2] / step[2]).tolist())} m/s, "
             f"not with {agent.start_velocity} m/s"
+            + (f" for {agent.start_duration} s" if agent.start_duration else "")
         )
     if agent.goal_places:
         outside = outside_all(agent.goal_places, curve[-1, :2], place_tolerance(agent, curve))
@@ -65,8 +66,10 @@ def broken_ends(agent: Agent, curve: FloatArray, *, assigned: bool = False) -> l
 
 
 def _starts_otherwise(agent: Agent, curve: FloatArray) -> bool:
-    """Whether the first segment does not lead where the agent's velocity does."""
+    """Whether the first segment does not lead where the agent's velocity does, or not for so long."""
     place, time = curve[1, :2] - curve[0, :2], float(curve[1, 2] - curve[0, 2])
+    if time < agent.start_duration - time_tolerance(curve):
+        return True
     off = np.hypot(*(place - time * np.array(agent.start_velocity)))
     return bool(off > place_tolerance(agent, curve))
 

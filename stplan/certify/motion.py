@@ -96,7 +96,7 @@ def place_tolerance(agent: Agent, curve: FloatArray) -> float:
     return PLACE_SHARE * agent.radius + 4.0 * float(np.spacing(np.abs(curve[:, :2]).max()))
 
 
-def _time_tolerance(curve: FloatArray) -> float:
+def time_tolerance(curve: FloatArray) -> float:
     """Up to what difference times of `curve` count as the same, s."""
     rounding = 4.0 * float(np.spacing(np.abs(curve[:, 2]).max()))
     return ROUNDING * float(curve[-1, 2] - curve[0, 2]) + rounding
@@ -105,7 +105,7 @@ def _time_tolerance(curve: FloatArray) -> float:
 def missed_visit(agent: Agent, curve: FloatArray) -> str:
     """What is wrong with the first waypoint that is not visited in order and as asked, or ""."""
     visits = agent.visits or (Visit(),) * len(agent.waypoints)
-    tolerance, late = place_tolerance(agent, curve), _time_tolerance(curve)
+    tolerance, late = place_tolerance(agent, curve), time_tolerance(curve)
     now = -np.inf
     for number, (point, visit) in enumerate(zip(agent.waypoints, visits, strict=True), start=1):
         begin, end = visit.window or (-np.inf, np.inf)

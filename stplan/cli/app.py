@@ -18,6 +18,7 @@ from stplan.cli import (
     improving,
     measuring,
     planning,
+    replanning,
     scenes,
     viewing,
 )
@@ -61,8 +62,8 @@ Units are metres, seconds and kilograms. The keys of a scene are in docs/scene-f
 
 # In the order in which help lists them.
 GROUPS = (
-    planning.app, improving.app, checking.app, scenes.app, importing.app, viewing.app, exporting.app,
-    measuring.app, batch.app, bench_plans.app, doctor.app,
+    planning.app, improving.app, replanning.app, checking.app, scenes.app, importing.app, viewing.app,
+    exporting.app, measuring.app, batch.app, bench_plans.app, doctor.app,
 )  # fmt: skip
 
 app = group(

@@ -97,9 +97,9 @@ def _is_map(path: Path) -> bool:
 
 def _certified(console: Console, scene: Scene, lines: WorldLines, *, changed: bool) -> int:
     """Say whether a certificate holds; the exit status."""
-    from stplan import planner
+    from stplan.replanning import execution
 
-    certificate = planner.check(scene, lines, progress=console.progress)
+    certificate = execution.check(scene, lines, progress=console.progress)
     if changed:
         console.progress(f"note: {scene.source} is not as it was when this run was planned")
     console.result(f"{scene.name}: {certificate.summary}", *certificate.violations)

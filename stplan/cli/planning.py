@@ -164,17 +164,20 @@ def _plan_one(
 ) -> None:
     """Plan a scene, write its files and fill its record."""
     from stplan import planner
+    from stplan.replanning import execution
 
     def progress(line: str) -> None:
         console.progress(prefix + line)
 
+    if budget is not None and scene.changes:
+        raise UsageError(f"{scene.name} has events: what is executed with them is past improvement")
     stop = StopRequest()
     with answered_by(stop.make):
         if seed_only:
             planned = planner.seed(scene, progress=progress, stop=stop)
         else:
             with console.live_line(prefix) as live:
-                planned = planner.plan(
+                planned = execution.plan(
                     scene, progress=progress, live=live, stop=stop, num_workers=num_workers
                 )
                 if budget is not None:

@@ -4,22 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from stplan.amounts import amount
 from stplan.analysis.arrival_gap import arrival_gap
 from stplan.analysis.cost_bound import cost_bound
 from stplan.analysis.crowd import Crowd
 from stplan.analysis.detours import ways_alone
 from stplan.certify.certificate import Certificate, certify
+from stplan.certify.history import certify_history
 from stplan.explain.arrivals import arrival_section
 from stplan.explain.costs import cost_section
 from stplan.explain.curves import curve_sections
 from stplan.explain.explanation import Explanation, Fact, Section
 from stplan.files.recorded import RecordedReport
+from stplan.problem.continuation import curves_of
 from stplan.problem.ends import ending_as
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
+from stplan.problem.worlds import whole_scene, worlds_of
 from stplan.scene.model import Scene
 from stplan.wording import count
-from stplan.world import fitted_free_space, warnings_of
+from stplan.world import build_free_space, fitted_free_space, warnings_of
 
 
 def explain_run(
@@ -38,17 +42,29 @@ def explain_run(
     Raises:
         SceneError: the scene does not fit its map.
     """
-    scene = ending_as(scene, lines)
-    problem = PlanningProblem.from_scene(scene, fitted_free_space(scene))
+    happened = scene
+    scene = whole_scene(scene, curves_of(lines)) if scene.changes else ending_as(scene, lines)
+    space = build_free_space(scene) if happened.changes else fitted_free_space(scene)
+    problem = PlanningProblem.from_scene(scene, space)
     for line in warnings_of(scene, problem.free_space):
         progress(line)
-    certificate = certify(scene, problem.free_space, lines)
+    if happened.changes:
+        spaces = [build_free_space(world.scene) for world in worlds_of(happened)]
+        certificate = certify_history(happened, spaces, lines)
+    else:
+        certificate = certify(scene, problem.free_space, lines)
     verdict = "holds" if certificate.holds else "IS BROKEN"
     headline = f"{scene.name}: {count(len(scene.agents), 'agent')}, the certificate {verdict}."
     report = report or RecordedReport()
     if report.status is not None:
         headline = f"{scene.name}: planning ended as '{report.status}'; the certificate {verdict}."
     sections = []
+    if happened.changes:
+        facts = [
+            Fact(f"At {amount(change.at)} s {', '.join(change.causes)}.")
+            for change in happened.changes
+        ]
+        sections.append(Section("events", "What happened on the way", "", facts))
     if certificate.violations:
         lead = f"{count(len(certificate.violations), 'promise')} of the scene not kept:"
         facts = [*map(Fact, certificate.violations)]
@@ -60,7 +76,7 @@ def explain_run(
     if certificate.pairs or certificate.walls or certificate.holds:
         crowd = Crowd.of_problem(problem, _in_scene_order(problem, lines))
         sections += curve_sections(crowd, certificate, ways_alone(problem))
-    if certificate.holds:
+    if certificate.holds and not happened.changes:
         ordered = _in_scene_order(problem, lines)
         if scene.minimise == "energy":
             sections.append(cost_section(cost_bound(problem.in_frame, ordered)))

@@ -44,6 +44,7 @@ def explain_scene(
         SceneError, SolverError, StoppedError: as `planner.plan`.
     """
     seeding = replace(scene.seeding, time_limit=min(time_limit, scene.seeding.time_limit))
+    scene = replace(scene, changes=())  # What happens on the way is not known when planning begins.
     problem = prepare(scene if time_limit <= 0 else replace(scene, seeding=seeding), progress)
     seen = problem.as_written
     alone = ways_alone(seen)

@@ -58,10 +58,11 @@ def build_constraints(
     irregular = np.array([agent.weights.regularity == 0.0 for agent in problem.scene.agents])
     guarded = irregular[layout.agent_of_segment]
     launched = [agent.starts_as_given for agent in problem.scene.agents]
-    guarded[np.searchsorted(layout.segment, layout.first[launched])] = False
+    first = np.searchsorted(layout.segment, layout.first[launched])
+    guarded[first] = False
     dwelling = np.searchsorted(layout.segment, timed.stays[:, 0])
     share = _greatest_shares(problem, layout, step)
-    share[dwelling] = np.inf
+    share[dwelling] = share[first] = np.inf
     if free_times:
         no_links = np.empty((0, 2), dtype=np.int64)
         return Constraints(lower, upper, least, np.flatnonzero(guarded), no_links, share, planes)

@@ -7,7 +7,7 @@ motion; in the end they are put before the curves that were found.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -21,7 +21,8 @@ from stplan.problem.planning_problem import LEAST_AUTO_KNOTS, PlanningProblem
 from stplan.problem.restriction import Piece, with_obstacles
 from stplan.reasons import Reason
 
-# Launches last as long as a mean segment, and are halved so often where they would touch something.
+# Launches last as long as a mean segment, where nothing says for how long, and are halved so often where they
+# would touch something.
 HALVINGS = 30
 
 
@@ -37,8 +38,11 @@ class Launches:
     pieces: Mapping[int, FloatArray]
 
     @staticmethod
-    def of(problem: PlanningProblem) -> Launches | None:
+    def of(problem: PlanningProblem, fixed: Collection[int] | None = None) -> Launches | None:
         """Launches that touch nothing; None where everybody starts anyhow.
+
+        Args:
+            fixed: whose launches last as long as they are to, those with a `start_duration` by default.
 
         Raises:
             SeedingError: an agent can only touch something next.
@@ -47,14 +51,20 @@ class Launches:
         moving = [a for a, agent in enumerate(agents) if agent.start_velocity is not None]
         if not moving:
             return None
+        if fixed is None:
+            fixed = {a for a in moving if agents[a].start_duration > 0.0}
         knots = problem.scene.solver.knots or LEAST_AUTO_KNOTS
         lasts = (problem.preferred_times - problem.start_times) / knots
+        given = np.array([agent.start_duration for agent in agents])
+        lasts = np.where(given > 0.0, given, lasts)
         for _ in range(HALVINGS):
             pieces = {a: _launch(problem, a, float(lasts[a])) for a in moving}
             bad = _touching(problem, pieces)
             if not bad:
                 return Launches(problem, pieces)
-            lasts[bad] *= 0.5
+            if all(a in fixed for a in bad):
+                break
+            lasts[[a for a in bad if a not in fixed]] *= 0.5
         raise SeedingError([Reason("not clear", tuple(problem.agent_ids[a] for a in bad))])
 
     @staticmethod

@@ -98,6 +98,7 @@ def with_obstacles(problem: PlanningProblem, obstacles: Sequence[Piece]) -> Plan
             max_speed=None,
             max_acceleration=None,
             start_velocity=None,
+            start_duration=0.0,
         )
         for number, piece in enumerate(obstacles)
     )

@@ -246,6 +246,7 @@ def _local_agent(agent: Agent, frame: PlanningFrame) -> Agent:
         start_velocity=None
         if agent.start_velocity is None
         else frame.local_velocity(agent.start_velocity),
+        start_duration=share(agent.start_duration, frame.time),
     )
 
 

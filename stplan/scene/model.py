@@ -49,7 +49,7 @@ class Agent:
     `visits` has one entry a waypoint, or none at all where no waypoint asks for anything. With a
     `max_acceleration` (m/s^2) the agent starts and ends at rest; `max_speed` is in m/s. With a
     `start_velocity` (m/s) it starts in motion: its first segment has just that velocity, or one that
-    `max_acceleration` lets it reach from there.
+    `max_acceleration` lets it reach from there; with a `start_duration` (s) it keeps it for so long.
     `clearance` (m) is wished for beyond the radius.
     `path`, where given, is the whole world line ((x, y, t), ...): the motion is prescribed, and
     `start`, `goal`, `start_time` and `max_time` repeat its ends. With `goal_places` the agent ends anywhere
@@ -74,11 +74,13 @@ class Agent:
     clearance: float = added(0.0)
     goal_places: tuple[Place, ...] = added(())
     start_velocity: tuple[float, float] | None = added(None)
+    start_duration: float = added(0.0)
 
     @property
     def starts_as_given(self) -> bool:
         """Whether its first segment has just the `start_velocity`."""
-        return self.start_velocity is not None and self.max_acceleration is None
+        given = self.start_velocity is not None
+        return given and (self.max_acceleration is None or self.start_duration > 0.0)
 
 
 @dataclass(frozen=True)
@@ -141,6 +143,34 @@ class SolverSettings:
 
 
 @dataclass(frozen=True)
+class WorldChange:
+    """What becomes different while a scene is executed, and nobody knew beforehand.
+
+    Attributes:
+        at: when, s.
+        scene: the world from then on, with everybody's own start in it.
+        removed: ids of agents that are gone by then.
+        delays: (id, s): who stands still from then on, for how long.
+        causes: what happens, a sentence without a full stop each.
+    """
+
+    at: float
+    scene: Scene
+    removed: frozenset[str] = frozenset()
+    delays: tuple[tuple[str, float], ...] = ()
+    causes: tuple[str, ...] = ()
+
+    def meaning(self) -> dict[str, Any]:
+        """What it means, as it is hashed."""
+        return {
+            "at": self.at,
+            "scene": self.scene.content_hash,
+            "removed": sorted(self.removed),
+            "delays": [list(delay) for delay in self.delays],
+        }
+
+
+@dataclass(frozen=True)
 class Scene:
     """A whole planning problem.
 
@@ -160,6 +190,7 @@ class Scene:
         assignments: groups of agents of which everybody ends on one of some points.
         minimise: what is to be least.
         horizon_rule: whether `horizon` is stated, yet to be chosen (and ample until then), or was chosen.
+        changes: what becomes different on the way, in the order of time.
     """
 
     name: str
@@ -183,6 +214,7 @@ class Scene:
     assignments: tuple[Assignment, ...] = added(())
     minimise: Literal["energy", "arrivals", "makespan"] = added("energy")
     horizon_rule: Literal["stated", "auto", "chosen"] = added("stated")
+    changes: tuple[WorldChange, ...] = added(())
 
     def agent_path(self, agent: int) -> str:
         """Where an agent stands in the file."""

@@ -20,9 +20,11 @@ from stplan.files.recorded import REPORT
 from stplan.files.run_folder import recorded_scene
 from stplan.files.trajectories import read_trajectories
 from stplan.planned import Plan
+from stplan.problem.continuation import curves_of
 from stplan.problem.ends import ending_as
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
+from stplan.problem.worlds import whole_scene
 from stplan.scene import load_scene
 from stplan.scene.model import Scene
 from stplan.scene.places import Place
@@ -137,6 +139,8 @@ def open_run(path: Path, scene_file: Path | None = None) -> RunView:
     folder = file.parent
     lines = read_trajectories(file)
     scene = load_scene(scene_file) if scene_file else _scene_of(folder, notes)
+    if scene is not None and scene.changes:
+        scene = whole_scene(scene, curves_of(lines))
     if scene is not None and set(lines.agent_ids) != {agent.id for agent in scene.agents}:
         if scene_file:
             raise UsageError(f"{scene_file}: has other agents than {file}")

@@ -173,3 +173,12 @@ def test_acceleration_from_motion() -> None:
     assert (found.reached, found.time) == (2.0, 8.0)
     found = check("max_acceleration: 8.0, start_velocity: [-0.5, 0]", curve).limits[0]
     assert (found.reached, found.time) == (3.0, 0.0)
+
+
+def test_the_velocity_at_the_start_is_kept_as_long_as_asked() -> None:
+    """With a limit of acceleration, too."""
+    curve = even([1.0] * 8, np.arange(9.0).tolist())
+    asked = "start_velocity: [1, 0], max_acceleration: 8"
+    assert check(f"{asked}, start_duration: 1", curve).holds
+    (sentence,) = check(f"{asked}, start_duration: 1.1", curve).violations
+    assert sentence.endswith("not with (1.0, 0.0) m/s for 1.1 s")

@@ -11,8 +11,9 @@ import numpy as np
 
 from stplan import load_scene
 from stplan.certify.pair_clearance import nearest_moments
-from stplan.planner import Plan, find_initial_curves, plan, prepare
+from stplan.planner import Plan, find_initial_curves, prepare
 from stplan.problem.world_lines import WorldLines
+from stplan.replanning.execution import plan
 
 SCENES = Path(__file__).parents[2] / "scenes"
 

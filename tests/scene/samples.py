@@ -122,6 +122,7 @@ _AGENT: dict[str, Any] = {
     "max_speed": 2.0,
     "max_acceleration": 1.5,
     "start_velocity": [0.5, -0.25],
+    "start_duration": 0.2,
     "waypoints": [[2.0, 1.0], {"at": [3.0, 1.5], "window": [2.0, 9.0], "dwell": 1.0}],
     "weights": {
         "kinetic": 2.0,

@@ -19,6 +19,13 @@ FAULTS = [
         "agents[0].start_velocity",
         "is 1.131 m/s; no more than max_speed 1 m/s is expected",
     ),
+    ("start_duration: 1", "", "agents[0].start_duration", "belongs to a start_velocity"),
+    (
+        "start_velocity: [0, 0], start_duration: 30",
+        "",
+        "agents[0].start_duration",
+        "is 30 s; less than the 20 s there are is expected",
+    ),
     ("waypoints: 3", "", "agents[0].waypoints", "a list"),
     ("waypoints: [[1]]", "", "agents[0].waypoints[0]", "expected"),
     ("waypoints: [[1, a]]", "", "agents[0].waypoints[0][1]", "a number is expected"),
@@ -55,8 +62,8 @@ FAULTS = [
         (
             "colour: red",
             "8:5: agents[0].colour: unknown key; start_time, max_time, preferred_time, radius, clearance, "
-            "mass, after_arrival, max_speed, max_acceleration, start_velocity, waypoints, weights, id, "
-            "start, goal and path are known",
+            "mass, after_arrival, max_speed, max_acceleration, start_velocity, start_duration, waypoints, "
+            "weights, id, start, goal and path are known",
         ),
         (
             "radius: '0.3'",

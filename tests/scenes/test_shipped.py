@@ -8,7 +8,8 @@ import pytest
 
 from stplan.files.csv_file import csv_bytes, read_csv
 from stplan.files.json_file import json_bytes
-from stplan.planner import check, plan, write_plan
+from stplan.planner import write_plan
+from stplan.replanning.execution import check, plan
 from stplan.scene import load_scene
 from tests.claims.plans import SCENES, planned
 

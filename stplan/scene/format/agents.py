@@ -104,6 +104,9 @@ class SharedFields(FileModel):
         "[vx, vy] in m/s at start_time: the first segment has it, or what max_acceleration allows from "
         "there; default: any, at rest with a max_acceleration"
     )
+    start_duration: Annotated[NotNegative | None, GIVEN] = key(
+        "how long the agent keeps its start_velocity at least, s", 0.0
+    )
     waypoints: Annotated[Annotated[list[Waypoint], Field(max_length=1000)] | None, GIVEN] = key(
         "points [x, y] in m, passed in this order at free times, or mappings with at or place, window, dwell"
     )

@@ -12,6 +12,7 @@ from pydantic import Field
 
 from stplan.maps.registry import MapFile
 from stplan.scene.format.agents import MOST_AGENTS, AgentEntry, SharedFields
+from stplan.scene.format.events import MOST_EVENTS, EventFile
 from stplan.scene.format.places import MOST_PLACES, PlaceFile
 from stplan.scene.model import Objective, SeedingMethod, SeedingSettings, SolverSettings
 from stplan.schema.mapping import GIVEN as _GIVEN
@@ -208,6 +209,9 @@ class SceneFile(_Model):
     defaults: SharedFields = Field(SharedFields(), description="values for agents that set none")
     agents: Annotated[list[AgentEntry], Field(min_length=1, max_length=MOST_AGENTS)] = Field(
         description="the moving things, in the order of the outputs"
+    )
+    events: Annotated[list[EventFile], Field(max_length=MOST_EVENTS)] = Field(
+        [], description="what becomes different on the way, and nobody knows beforehand"
     )
     groups: Annotated[list[GroupFile], Field(max_length=MOST_PAIRS)] = Field(
         [], description="agents whose pairs share settings"

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from pydantic import ValidationError
 
@@ -15,9 +15,11 @@ from stplan.scene.format.file import SceneFile
 from stplan.scene.model import Scene
 from stplan.scene.reading.compile import check_parts, compile_scene, salvage
 from stplan.scene.reading.content_hash import content_hash
+from stplan.scene.reading.events import compile_events
 from stplan.scene.reading.faults import Hints, scene_error, sentences, shown
 from stplan.scene.reading.overrides import apply_overrides
 from stplan.schema.collector import collector_paused
+from stplan.schema.mapping import Fault
 from stplan.schema.yaml_nodes import LARGEST_FILE
 from stplan.schema.yaml_tree import read_tree
 
@@ -110,6 +112,20 @@ def parse_scene(
     scene, faults = compile_scene(file, stem, source, folder, tree.locations, overridden, hints)
     if faults or tree.faults:
         raise scene_error(name, tree, overridden, faults)
+    if file.events:
+
+        def read(value: Any) -> tuple[Scene | None, list[Fault]]:
+            try:
+                world = SceneFile.model_validate(value)
+            except ValidationError as error:
+                return None, sentences(error, tree, hints)
+            found, wrong = compile_scene(world, stem, source, folder, {}, {}, hints)
+            return (None if wrong else replace(found, content_hash=content_hash(found))), wrong
+
+        changes, faults = compile_events(file.events, tree.value, scene, read)
+        if faults:
+            raise scene_error(name, tree, overridden, faults)
+        scene = replace(scene, changes=changes)
     scene = replace(scene, overrides=tuple(overrides))
     return replace(scene, content_hash=content_hash(scene))
 

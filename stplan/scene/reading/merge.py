@@ -92,6 +92,7 @@ class _Merge:
             waypoints: tuple[Point, ...] = ()
             visits: tuple[Visit, ...] = ()
             max_speed = max_acceleration = start_velocity = None
+            start_duration = 0.0
             goal_places: tuple[Place, ...] = ()
         else:
             goal_places = self._goal_places()
@@ -105,6 +106,7 @@ class _Merge:
             max_speed = self._value("max_speed", None)
             max_acceleration = self._value("max_acceleration", None)
             start_velocity = self._start_velocity(max_speed)
+            start_duration = self._start_duration(start_velocity, start_time, max_time)
             self._check_preferred_time(weights, start_time, max_time)
             self._check_visits(visits, start_time, max_time)
         return Agent(
@@ -126,6 +128,7 @@ class _Merge:
             clearance=self._value("clearance", 0.0),
             goal_places=goal_places,
             start_velocity=start_velocity,
+            start_duration=start_duration,
         )
 
     def _weights(self) -> Weights:
@@ -181,6 +184,19 @@ class _Merge:
                 "start_velocity", f"is {given} m/s; no more than max_speed {most} m/s is expected"
             )
         return velocity
+
+    def _start_duration(
+        self, velocity: tuple[float, float] | None, start_time: float, max_time: float
+    ) -> float:
+        lasts = float(self._value("start_duration", 0.0))
+        if lasts > 0.0 and velocity is None:
+            self._fault("start_duration", "belongs to a start_velocity, and there is none")
+        elif 0.0 < max_time - start_time <= lasts:
+            given, most = distinct(lasts, max_time - start_time)
+            self._fault(
+                "start_duration", f"is {given} s; less than the {most} s there are is expected"
+            )
+        return lasts
 
     def _times(self, horizon: float | None) -> tuple[float, float]:
         start_time: float = self._value("start_time", 0.0)
@@ -252,7 +268,7 @@ class _Merge:
             given, last = distinct(own.max_time, path[-1][2])
             text = f"is {given} s, the path ends at {last} s; leave it out"
             self._faults.append((f"{here}.max_time", text))
-        for key in ("max_speed", "max_acceleration", "start_velocity"):
+        for key in ("max_speed", "max_acceleration", "start_velocity", "start_duration"):
             if getattr(own, key) is not None:
                 text = "belongs to agents that find their way; the motion of one with a path is prescribed"
                 self._faults.append((f"{here}.{key}", text))

@@ -46,6 +46,17 @@ def apply_overrides(tree: Tree, overrides: Sequence[str]) -> dict[str, str]:
     return decided
 
 
+def set_value(root: dict[str, Any], key: str, value: Any) -> None:
+    """Put `value` at a `key` like ``agents.sam.radius`` of a plain tree.
+
+    Raises:
+        SceneError: there is no such place.
+    """
+    if not _KEY.match(key):
+        raise SceneError(f"{key!r} is no key; one like agents.sam.goal is expected")
+    _set(root, [int(m[2]) if m[2] else m[1] for m in _STEP.finditer(key)], value, key)
+
+
 def _shortened(override: str) -> str:
     return override if len(override) <= 200 else override[:197] + "..."
 

@@ -58,6 +58,7 @@ def test_defaults():
         "max_speed": None,
         "max_acceleration": None,
         "start_velocity": None,
+        "start_duration": 0.0,
         "visits": (),
         "clearance": 0.0,
         "goal_places": (),

@@ -1,0 +1,149 @@
+"""A run's folder, gone on with: its past to the byte, and another future for what happens from some time on.
+
+What happens is added to the events of the run's scene, as one more override, so that the new run is checked
+and replanned like any other.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from stplan.analysis.metrics import metrics
+from stplan.certify.certificate import Certificate
+from stplan.certify.history import rest_certificate
+from stplan.errors import SceneError, UsageError
+from stplan.files.json_file import read_json
+from stplan.files.manifest import why_incomplete
+from stplan.files.npz_file import read_npz
+from stplan.files.recorded import REPORT, RUN_RECORD
+from stplan.files.run_folder import recorded_scene
+from stplan.files.trajectories import read_trajectories
+from stplan.planned import Plan
+from stplan.problem.continuation import curves_of
+from stplan.problem.worlds import whole_scene
+from stplan.replanning.execution import Progress, Stop, check, go_on
+from stplan.report import Report, RunRecord, SeedReport
+from stplan.scene import load_scene
+from stplan.scene.model import Scene, WorldChange
+from stplan.scene.reading.load import read_text
+from stplan.scene.reading.overrides import apply_overrides
+from stplan.schema.yaml_tree import read_tree
+from stplan.status import Status
+
+SEED, TRAJECTORIES = "seed.npz", "trajectories.npz"
+KEY = "events"
+
+
+@dataclass(frozen=True)
+class Continuation:
+    """A run, and what happens to it.
+
+    Attributes:
+        scene: with all events, old and new.
+        plan: as far as it was known.
+        changes: the new ones.
+    """
+
+    scene: Scene
+    plan: Plan
+    changes: tuple[WorldChange, ...]
+
+    def replanned(self, *, progress: Progress | None = None, stop: Stop | None = None) -> Plan:
+        """The plan that goes on. Raises like `replanning.go_on`."""
+        return go_on(self.scene, self.plan, self.changes, progress=progress, stop=stop)
+
+    def rest(self) -> Certificate | None:
+        """Whether the old plan's rest stays clear after the first change; None where nothing is left."""
+        from stplan.world import build_free_space
+
+        change, lines = self.changes[0], self.plan.trajectories or self.plan.seed
+        space = None if change.scene.map is None else build_free_space(change.scene)
+        return rest_certificate(change, space, curves_of(lines))
+
+
+def events_of(path: Path) -> list[Any]:
+    """The events in a YAML file: a list, or a mapping with `events`.
+
+    Raises:
+        SceneError: it holds neither, or cannot be read.
+    """
+    tree = read_tree(read_text(path), str(path))
+    value = tree.value
+    found = value.get(KEY) if isinstance(value, Mapping) else value
+    if not isinstance(found, list) or not found:
+        raise SceneError(f"{path}:1:1: a list of events is expected, or a mapping with events")
+    return found
+
+
+def set_event(at: float, settings: Sequence[str]) -> dict[str, Any]:
+    """The event that changes values of a scene by ``KEY=VALUE`` at a time.
+
+    Raises:
+        SceneError: a setting is of another form.
+    """
+    given: dict[str, Any] = {}
+    for setting in settings:
+        name, separator, text = setting.partition("=")
+        if not separator or not text.strip():
+            raise SceneError(
+                f"--set {setting}: KEY=VALUE is expected, as in agents.sam.goal=[2, 3]"
+            )
+        given[name.strip()] = read_tree(text, f"--set {setting}", located=False).value
+    return {"at": at, "set": given}
+
+
+def open_continuation(folder: Path, events: Sequence[Any]) -> Continuation:
+    """The run in `folder`, to which `events` happen.
+
+    Raises:
+        UsageError: it is damaged, of another state of its scene, or does not hold its certificate; an event
+            is before what it knows already.
+        SceneError: an event does not fit.
+    """
+    why = why_incomplete(folder)
+    if why:
+        raise UsageError(f"{folder} is not the whole of one run: {why}")
+    recorded = recorded_scene(folder, "solve")
+    report, record = read_json(folder / REPORT), read_json(folder / RUN_RECORD)
+    before = load_scene(recorded.source, overrides=recorded.overrides)
+    if recorded.content_hash != before.content_hash:
+        raise UsageError(
+            f"{recorded.source} is not as it was when {folder} was planned; plan it anew"
+        )
+    tree = read_tree(read_text(recorded.source), str(recorded.source))
+    apply_overrides(tree, recorded.overrides)
+    old = tree.value.get(KEY, [])
+    overrides = [one for one in recorded.overrides if one.partition("=")[0].strip() != KEY]
+    overrides.append(f"{KEY}={json.dumps([*old, *events])}")
+    scene = load_scene(recorded.source, overrides=overrides)
+    known = len(before.changes)
+    kept = [replace(change, scene=scene) for change in before.changes]
+    same = [replace(change, scene=scene) for change in scene.changes[:known]]
+    if kept != same:
+        last = before.changes[-1].at
+        raise UsageError(f"{folder} knows what happens until {last:g} s; a later event is expected")
+    file = read_npz(folder / TRAJECTORIES)
+    lines = file.world_lines
+    certificate = check(before, lines)
+    if not certificate.holds:
+        raise UsageError(f"{folder}: {certificate.summary}; only certified runs go on")
+    planned = before
+    if before.metric == "auto" and file.time_scale is not None:
+        turning = before.turning_scale
+        planned = replace(before, time_scale=file.time_scale, metric="chosen", turning=turning)
+    seed, old_seed = read_trajectories(folder / SEED), report["seed"]
+    shown = whole_scene(planned, curves_of(lines)) if planned.changes else planned
+    found = SeedReport(
+        old_seed["found_by"],
+        old_seed["record"],
+        old_seed["smallest_clearance"],
+        metrics(shown, seed),
+    )
+    content = Report(shown, Status(report["status"]), certificate, metrics(shown, lines), found)
+    past = RunRecord(record["started"], record["seconds"])
+    plan = Plan(seed, lines, content, past)
+    return Continuation(scene, plan, scene.changes[known:])

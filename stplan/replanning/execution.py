@@ -1,0 +1,129 @@
+"""A world that changes while its plan is executed: everybody goes on from where it is, the plan is mended.
+
+Nothing that happened before is touched, and what was executed is certified as a whole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from stplan import planner
+from stplan.analysis.metrics import metrics
+from stplan.arrays import FloatArray
+from stplan.certify.certificate import Certificate
+from stplan.certify.history import certify_history
+from stplan.clock import Clock
+from stplan.errors import BrokenSeedError, StoppedError
+from stplan.planned import Plan
+from stplan.problem.continuation import curves_of, joined_history
+from stplan.problem.world_lines import WorldLines
+from stplan.problem.worlds import whole_scene, worlds_of
+from stplan.report import OptimisationReport
+from stplan.scene.model import Scene, WorldChange
+from stplan.status import Status
+
+if TYPE_CHECKING:
+    from stplan.optimize.continuation import LiveLine
+    from stplan.world import FreeSpace
+
+Progress = Callable[[str], None]
+Stop = Callable[[], bool]
+
+
+def plan(
+    scene: Scene,
+    *,
+    progress: Progress | None = None,
+    live: LiveLine | None = None,
+    stop: Stop | None = None,
+    num_workers: int = 1,
+) -> Plan:
+    """Plan `scene`, and mend the plan at each of its changes, of which it knew nothing before.
+
+    Raises like `planner.plan`; a SeedingError says at which change nothing was found.
+    """
+    if not scene.changes:
+        return planner.plan(scene, progress=progress, live=live, stop=stop, num_workers=num_workers)
+    first = planner.plan(
+        replace(scene, changes=()), progress=progress, live=live, stop=stop, num_workers=num_workers
+    )
+    return go_on(scene, first, scene.changes, progress=progress, stop=stop)
+
+
+def go_on(
+    scene: Scene,
+    before: Plan,
+    changes: Sequence[WorldChange],
+    *,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+) -> Plan:
+    """The plan of `scene`, given that `before` its last `changes`: certified as a whole.
+
+    Raises:
+        SeedingError: there is no way to go on after one of them.
+        StoppedError: `stop` said so before the last of them was planned.
+    """
+    from stplan.replanning.mending import mend
+
+    progress, stop = progress or _silent, stop or _never
+    clock = Clock()
+    known = len(scene.changes) - len(changes)
+    earlier = scene.changes[known - 1].scene if known else scene
+    lines = before.trajectories or before.seed
+    history, seeds = curves_of(lines), curves_of(before.seed)
+    made: OptimisationReport | None = before.report.optimisation
+    spaces = [_space(world.scene) for world in worlds_of(scene)]
+    with clock.stage("replan"):
+        for number, change in enumerate(changes, start=known):
+            if stop():
+                raise StoppedError
+            progress(f"{change.at:g} s: {', '.join(change.causes)}")
+            found = mend(before.scene, earlier, history, change, progress=progress, stop=stop)
+            history = joined_history(history, found.curves, change.at)
+            seeds = joined_history(seeds, found.seed, change.at)
+            made = OptimisationReport.of(found.scene, found.optimisation)
+            partial = replace(scene, changes=scene.changes[: number + 1])
+            certificate = certify_history(partial, spaces[: number + 2], _lines(history))
+            if not certificate.holds:
+                raise BrokenSeedError(certificate.violations)
+            earlier = change.scene
+            progress(f"planned anew: {', '.join(found.replanned) or 'nobody'}")
+    whole = whole_scene(scene, history)
+    lines = _lines(history)
+    status = Status.INTERRUPTED if stop() else found.optimisation.status
+    figures = metrics(whole, lines)
+    report = replace(
+        before.report, scene=whole, status=status, certificate=certificate, metrics=figures,
+        optimisation=made, bound=None, arrivals=None, improvement=None, rivals=(),
+    )  # fmt: skip
+    return Plan(_lines(seeds), lines, report, before.run.and_then(clock))
+
+
+def check(scene: Scene, lines: WorldLines, *, progress: Progress | None = None) -> Certificate:
+    """The certificate of any trajectories against `scene`, changes included. Raises like `planner.check`."""
+    if not scene.changes:
+        return planner.check(scene, lines, progress=progress)
+    return certify_history(scene, [_space(world.scene) for world in worlds_of(scene)], lines)
+
+
+def _lines(curves: Mapping[str, FloatArray]) -> WorldLines:
+    return WorldLines.from_curves(list(curves), list(curves.values()))
+
+
+def _space(scene: Scene) -> FreeSpace | None:
+    if scene.map is None:
+        return None
+    from stplan.world import build_free_space
+
+    return build_free_space(scene)
+
+
+def _silent(line: str) -> None:
+    del line
+
+
+def _never() -> bool:
+    return False

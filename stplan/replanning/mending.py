@@ -1,0 +1,291 @@
+"""The plan from a change on: those whom it concerns, and those in their way, are planned anew.
+
+They are planned among the rods of all others. Where that leads nowhere, those whom their own ways alone would
+touch join them, in the end everybody. Then all are optimised, from the rest of what they had planned.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stplan import planner
+from stplan.arrays import FloatArray
+from stplan.errors import SceneError, SeedingError
+from stplan.multistart import best_seeds
+from stplan.optimize.continuation import Optimisation, optimise
+from stplan.optimize.restoration import restore
+from stplan.problem.clearance import rod_clearances, wall_clearance
+from stplan.problem.continuation import continued_scene, curves_of
+from stplan.problem.launches import Launches
+from stplan.problem.metric import sharpened
+from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.restriction import restricted
+from stplan.problem.verification import verify
+from stplan.problem.world_lines import WorldLines
+from stplan.scene.model import Scene, WorldChange
+from stplan.seeding.elastic_bands.geodesics import geodesic_curves
+
+# Mended plans are optimised so many outer iterations before the end.
+FROM_END = 2
+# Knots of the same place and time up to rounding, m and s.
+SAME = 1e-9
+
+Progress = Callable[[str], None]
+Stop = Callable[[], bool]
+Curves = dict[str, FloatArray]
+
+
+@dataclass(frozen=True)
+class Mended:
+    """A plan from a change on.
+
+    Attributes:
+        scene: of those who go on, as the user's.
+        curves: theirs, as the user's, by id.
+        seed: what the optimisation began with.
+        replanned: ids of those who were planned anew.
+    """
+
+    scene: Scene
+    curves: Curves
+    seed: Curves
+    replanned: tuple[str, ...]
+    optimisation: Optimisation
+
+
+def mend(
+    planned: Scene,
+    earlier: Scene,
+    history: Mapping[str, FloatArray],
+    change: WorldChange,
+    *,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+) -> Mended:
+    """The plan from `change` on, given the whole curves so far.
+
+    Args:
+        planned: the scene as it was planned first, with its metric.
+        earlier: the world before the change.
+
+    Raises:
+        SeedingError: there is none.
+    """
+    progress, stop = progress or _silent, stop or _never
+    scene = continued_scene(earlier, history, change)
+    if planned.metric == "chosen":
+        scene = replace(
+            scene, time_scale=planned.time_scale, metric="chosen", turning=planned.turning
+        )
+    try:
+        problem = planner.prepare(scene)
+    except SceneError as error:
+        raise SeedingError(f"there is no way to go on after {change.at:g} s: {error}") from error
+    work = _Mending(problem, earlier, history, change)
+    lines = work.clear_lines(progress)
+    lines = restore(problem, lines, progress=progress, stop=stop)
+    sharp = sharpened(problem, lines)
+    begin = max(scene.solver.outer_iterations - FROM_END, 0)
+    optimised = optimise(sharp, lines, progress=progress, stop=stop, begin=begin)
+    written = sharp.written
+    seed, curves = (
+        work.on_their_knots(curves_of(written.outside(one)))
+        for one in (lines, optimised.world_lines)
+    )
+    return Mended(written.scene, curves, seed, work.replanned, optimised)
+
+
+class _Mending:
+    """Clear curves for the agents of a `problem` that go on from a change."""
+
+    def __init__(
+        self,
+        problem: PlanningProblem,
+        earlier: Scene,
+        history: Mapping[str, FloatArray],
+        change: WorldChange,
+    ) -> None:
+        self._problem, self._history, self._change = problem, history, change
+        before = {agent.id: agent for agent in earlier.agents}
+        after = {agent.id: agent for agent in change.scene.agents}
+        delayed = {name for name, _ in change.delays}
+        self._concerned = {
+            a
+            for a, name in enumerate(problem.agent_ids)
+            if before.get(name) != after[name] or name in delayed or name not in history
+        } - set(np.flatnonzero(problem.prescribed).tolist())
+        fixed = {a for a, name in enumerate(problem.agent_ids) if name in delayed}
+        self._launches = Launches.of(problem, fixed)
+        self._rest = problem if self._launches is None else self._launches.problem
+        self._moved: set[int] = set()
+
+    @property
+    def replanned(self) -> tuple[str, ...]:
+        """Ids of those who were planned anew."""
+        return tuple(self._problem.agent_ids[a] for a in sorted(self._moved))
+
+    def clear_lines(self, progress: Progress) -> WorldLines:
+        """Curves that touch nothing, those of whom nothing stands in the way as they were."""
+        curves = self._kept_curves()
+        group = self._with_blocked(curves)
+        while group:
+            self._moved = group
+            progress(f"planning {len(group)} of {self._problem.num_agents} agents anew")
+            try:
+                found = self._planned(sorted(group), curves)
+            except SeedingError:
+                wider = self._wider(group, curves)
+                if wider == group:
+                    raise
+                group = wider
+                continue
+            for a, curve in found.items():
+                curves[a] = curve
+            break
+        whole = [curves[a] for a in range(self._rest.num_agents)]
+        if self._launches is not None:
+            whole = self._launches.joined(whole)
+        return WorldLines.from_curves(self._problem.agent_ids, whole)
+
+    def on_their_knots(self, curves: Curves) -> Curves:
+        """Curves as the user's, whose first segments end on the knots they did before to the last bit."""
+        for name, curve in curves.items():
+            if name not in self._history:
+                continue
+            old = self._history[name]
+            later = old[old[:, 2] > self._change.at]
+            if len(later) and np.abs(later[0] - curve[1]).max() <= SAME:
+                curve[1] = later[0]
+        return curves
+
+    def _kept_curves(self) -> dict[int, FloatArray]:
+        """What is left of everybody's curve in the frame, where it is not concerned; launches too."""
+        problem, rest = self._problem, self._rest
+        frame, at = problem.frame, self._change.at
+        curves: dict[int, FloatArray] = {}
+        for a, name in enumerate(problem.agent_ids):
+            path = problem.paths[a]
+            if path is not None:
+                curves[a] = path
+                continue
+            if a in self._concerned:
+                continue
+            start = np.append(rest.starts[a], rest.start_times[a])
+            old = self._history[name]
+            later = old[old[:, 2] > at]
+            if old[0, 2] >= at:
+                local = np.column_stack(
+                    [frame.local_points(old[:, :2]), frame.local_times(old[:, 2])]
+                )
+            elif not len(later):
+                end = np.append(rest.goals[a], rest.max_times[a])
+                curves[a] = np.vstack([start, end])
+                continue
+            else:
+                local = np.column_stack(
+                    [frame.local_points(later[:, :2]), frame.local_times(later[:, 2])]
+                )
+                local = np.vstack([start, local[local[:, 2] > start[2] + SAME]])
+            local[0] = start
+            local[-1, :2] = (
+                rest.goals[a] if not problem.scene.agents[a].goal_places else local[-1, :2]
+            )
+            local[-1, 2] = min(local[-1, 2], rest.max_times[a])
+            curves[a] = local
+        for number in range(problem.num_agents, rest.num_agents):
+            path = rest.paths[number]
+            if path is not None:
+                curves[number] = path
+        return curves
+
+    def _with_blocked(self, curves: dict[int, FloatArray]) -> set[int]:
+        """The agents concerned, and those whose curves touch something by now."""
+        group = set(self._concerned)
+        rest = self._rest
+        for a in range(self._problem.num_agents):
+            if a in curves and not self._problem.prescribed[a]:
+                gap = wall_clearance(rest, a, curves[a])
+                if gap <= rest.radii[a]:
+                    group.add(a)
+        known = sorted(curves)
+        part = restricted(rest, np.array(known))
+        for one, other, _ in rod_clearances(part, [curves[a] for a in known]).violations:
+            pair = {known[one], known[other]}
+            group |= {
+                a for a in pair if a < self._problem.num_agents and not self._problem.prescribed[a]
+            }
+        return group
+
+    def _planned(
+        self, group: Sequence[int], curves: dict[int, FloatArray]
+    ) -> dict[int, FloatArray]:
+        """Curves of a `group` among those of all others."""
+        rest = self._rest
+        part = _among(rest, {a: curve for a, curve in curves.items() if a not in group})
+        every = list(best_seeds(part, progress=_silent).seeds[0].world_lines.curves())
+        found = {a: every[a] for a in group}
+        whole = curves | found
+        faults = verify(rest, [whole[a] for a in range(rest.num_agents)])
+        if faults:
+            raise SeedingError("; ".join(map(str, faults)))
+        return found
+
+    def _wider(self, group: set[int], curves: dict[int, FloatArray]) -> set[int]:
+        """The group, and those whom its own ways alone would touch; everybody where these are known."""
+        planning = set(np.flatnonzero(~self._problem.prescribed).tolist())
+        rest = self._rest
+        ways = geodesic_curves(rest)
+        trial = dict(curves)
+        for a in group:
+            way = ways[a]
+            if way is not None:
+                trial[a] = way
+        known = sorted(trial)
+        part = restricted(rest, np.array(known))
+        met = set()
+        for one, other, _ in rod_clearances(part, [trial[a] for a in known]).violations:
+            pair = {known[one], known[other]}
+            if pair & group:
+                met |= pair & planning
+        wider = group | met
+        return wider if wider > group else planning
+
+
+def _among(problem: PlanningProblem, curves: Mapping[int, FloatArray]) -> PlanningProblem:
+    """`problem`, in which some agents move along `curves`, and the others start anyhow: a quick search."""
+    agents = []
+    goals, max_times = problem.goals.copy(), problem.max_times.copy()
+    for a, agent in enumerate(problem.scene.agents):
+        own = replace(agent, start_velocity=None, start_duration=0.0)
+        if a in curves:
+            curve = curves[a]
+            goals[a], max_times[a] = curve[-1, :2], curve[-1, 2]
+            x, y, t = curve[-1].tolist()
+            own = replace(
+                own, path=tuple(map(tuple, curve.tolist())), goal=(x, y), max_time=t, goal_places=(),
+                waypoints=(), visits=(), max_speed=None, max_acceleration=None,
+            )  # fmt: skip
+        agents.append(own)
+    solver = replace(problem.scene.solver, effort="quick")
+    return replace(
+        problem,
+        scene=replace(problem.scene, agents=tuple(agents), solver=solver),
+        goals=goals,
+        max_times=max_times,
+        waypoints=tuple(
+            np.empty((0, 2)) if a in curves else points
+            for a, points in enumerate(problem.waypoints)
+        ),
+        paths=tuple(curves.get(a, path) for a, path in enumerate(problem.paths)),
+    )
+
+
+def _silent(line: str) -> None:
+    del line
+
+
+def _never() -> bool:
+    return False
