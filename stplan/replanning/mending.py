@@ -270,11 +270,15 @@ def _among(problem: PlanningProblem, curves: Mapping[int, FloatArray]) -> Planni
             )  # fmt: skip
         agents.append(own)
     solver = replace(problem.scene.solver, effort="quick")
+    # Those who cannot give way may graze each other.
+    fixed = np.array([a in curves for a in range(problem.num_agents)])
+    collides = problem.collides & ~(fixed[:, None] & fixed[None, :])
     return replace(
         problem,
         scene=replace(problem.scene, agents=tuple(agents), solver=solver),
         goals=goals,
         max_times=max_times,
+        interactions=replace(problem.interactions, collides=collides),
         waypoints=tuple(
             np.empty((0, 2)) if a in curves else points
             for a, points in enumerate(problem.waypoints)
