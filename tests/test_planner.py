@@ -15,7 +15,7 @@ from stplan.clock import Clock
 from stplan.errors import BrokenSeedError, SolverError, StoppedError
 from stplan.files.json_file import json_bytes
 from stplan.multistart import best_seeds
-from stplan.optimize import continuation
+from stplan.optimize.whole import optimise_whole
 from stplan.planner import (
     check,
     find_initial_curves,
@@ -119,7 +119,7 @@ def displaced(monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
     """An optimiser whose curves are wrong, and cheap."""
 
     def optimise(*arguments, **options):
-        found = continuation.optimise(*arguments, **options)
+        found = optimise_whole(*arguments, **options)
         knots = found.world_lines.knots + np.array([0.0, 0.1, 0.0])
         costs = dict.fromkeys(found.costs, 0.0)
         return replace(found, world_lines=found.world_lines.with_knots(knots), costs=costs)
