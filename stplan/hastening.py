@@ -6,13 +6,13 @@ what was optimised is the seed of another pass, with weights of its own, as long
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from stplan.analysis.shortest_trips import shortest_duration, shortest_legs
 from stplan.arrays import FloatArray
+from stplan.callbacks import Progress, Stop
 from stplan.optimize.continuation import LiveLine, Optimisation
 from stplan.optimize.whole import optimise_whole
 from stplan.problem.planning_problem import PlanningProblem, at_horizon
@@ -31,8 +31,8 @@ def hasten(
     problem: PlanningProblem,
     seed: WorldLines,
     *,
-    progress: Callable[[str], None],
-    stop: Callable[[], bool],
+    progress: Progress,
+    stop: Stop,
     live: LiveLine | None = None,
 ) -> Optimisation:
     """Make the arrivals of `seed` early, as the scene asks.

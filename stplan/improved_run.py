@@ -13,6 +13,7 @@ from typing import Any
 
 from stplan.analysis.cost_bound import cost_bound
 from stplan.analysis.metrics import metrics
+from stplan.callbacks import Progress, Stop
 from stplan.certify.certificate import Certificate, certify
 from stplan.clock import Clock
 from stplan.errors import UsageError
@@ -22,7 +23,7 @@ from stplan.files.npz_file import read_npz
 from stplan.files.recorded import REPORT, RUN_RECORD
 from stplan.files.trajectories import curve_files, read_trajectories
 from stplan.improvement.budget import ImprovementBudget, require_energy
-from stplan.improvement.search import Improvement, Progress, Stop
+from stplan.improvement.search import Improvement
 from stplan.improvement.search import improve as improve_lines
 from stplan.optimize.continuation import LiveLine
 from stplan.planner import prepare

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stplan.analysis.own_costs import own_costs
+from stplan.callbacks import Progress
 from stplan.certify.pair_clearance import nearest_moments
 from stplan.compiled import working_time
 from stplan.drafts import competing, tight_seeds
@@ -26,7 +27,7 @@ from stplan.problem.world_lines import WorldLines
 from stplan.reasons import Reason
 from stplan.scene.model import Scene
 from stplan.seeding.portfolio import Portfolio, Seed, prepare_portfolio
-from stplan.seeding.seeder import Budget, Progress
+from stplan.seeding.seeder import Budget
 
 # `solver.starts: auto` makes so many starts for every pair an agent that would collide on straight ways:
 # each of them doubles the classes there are. It makes no more than that in all, and fewer the more pairs of

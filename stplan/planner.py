@@ -7,13 +7,14 @@ found in the local frame of the problem, and certified and written in the user's
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from stplan.analysis.arrival_gap import arrival_gap
 from stplan.analysis.cost_bound import bound_with, cost_bound
 from stplan.analysis.metrics import metrics
+from stplan.callbacks import Progress, Stop, never, unheard
 from stplan.certify.certificate import Certificate, certify
 from stplan.clock import Clock
 from stplan.compiled import compiled_before
@@ -33,6 +34,7 @@ from stplan.problem.ends import ending_as, fixed_at, lasting_as
 from stplan.problem.metric import sharpened, with_metric
 from stplan.problem.planning_problem import PlanningProblem, at_horizon
 from stplan.problem.world_lines import WorldLines
+from stplan.problem.worlds import space_of
 from stplan.report import (
     OptimisationReport,
     OptimisationTimes,
@@ -63,9 +65,6 @@ __all__ = [
 
 # Horizons that are open become so many times as long where nothing is found within them.
 MORE_TIME = (3.0,)
-
-Progress = Callable[[str], None]
-Stop = Callable[[], bool]
 
 
 @dataclass(frozen=True)
@@ -107,7 +106,7 @@ def plan(
         SolverError: Ipopt lacks the linear solver or an option asked for.
         StoppedError: stopped before there were curves that keep all that the scene asks.
     """
-    progress, stop = progress or _silent, stop or _never
+    progress, stop = progress or unheard, stop or never
     clock = Clock()
     with clock.stage("world"):
         problem = prepare(scene, progress)
@@ -170,9 +169,9 @@ def improve(
             result.trajectories,
             budget,
             rng_seed=result.scene.seeding.rng_seed,
-            progress=progress or _silent,
+            progress=progress or unheard,
             live=live,
-            stop=stop or _never,
+            stop=stop or never,
         )
     content = replace(result.report, improvement=found.record)
     if found.optimisation is not None:
@@ -217,12 +216,8 @@ def check(scene: Scene, lines: WorldLines, *, progress: Progress | None = None) 
     What the user has to know about the map is said through `progress`. Raises SceneError for a bad map.
     """
     scene = lasting_as(scene, lines)
-    if scene.map is None:
-        return certify(scene, None, lines)
-    from stplan.world import build_free_space
-
-    free_space = build_free_space(scene)
-    _say_notes(scene, free_space, progress or _silent)
+    free_space = space_of(scene)
+    _say_notes(scene, free_space, progress or unheard)
     return certify(scene, free_space, lines)
 
 
@@ -241,7 +236,7 @@ def prepare(scene: Scene, progress: Progress | None = None) -> PlanningProblem:
     if scene.changes:
         raise UsageError(f"{scene.name} has events: `stplan solve` plans them, one after another")
     problem = planning_problem.prepare_local(scene)
-    _say_notes(scene, problem.written.free_space, progress or _silent)
+    _say_notes(scene, problem.written.free_space, progress or unheard)
     if scene.assignments or any(agent.goal_places for agent in scene.agents):
         from stplan.seeding.assignment import settle_goals
 
@@ -282,7 +277,7 @@ def find_initial_curves(
         SeedingError: none was found; BrokenSeedError where none holds its certificate.
         StoppedError: `stop` said so before the limits were kept.
     """
-    progress, stop, clock = progress or _silent, stop or _never, clock or Clock()
+    progress, stop, clock = progress or unheard, stop or never, clock or Clock()
     written = problem.written
     with clock.stage("seed"):
         if not compiled_before(segment_distances):
@@ -385,11 +380,3 @@ def _planned(
     content = Report(scene, status, certificate, figures, found, made, notes=_notes_of(problem))
     run = RunRecord.of(clock, OptimisationTimes.of(optimised, clock.seconds["optimise"]))
     return Plan(initial.world_lines, lines, content, run)
-
-
-def _silent(line: str) -> None:
-    del line
-
-
-def _never() -> bool:
-    return False

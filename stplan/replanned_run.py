@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from stplan.analysis.metrics import metrics
+from stplan.callbacks import Progress, Stop
 from stplan.certify.certificate import Certificate
 from stplan.certify.history import rest_certificate
 from stplan.errors import SceneError, UsageError
@@ -24,8 +25,8 @@ from stplan.files.run_folder import recorded_scene
 from stplan.files.trajectories import read_trajectories
 from stplan.planned import Plan
 from stplan.problem.continuation import curves_of
-from stplan.problem.worlds import whole_scene
-from stplan.replanning.execution import Progress, Stop, check, go_on
+from stplan.problem.worlds import space_of, whole_scene
+from stplan.replanning.execution import check, go_on
 from stplan.report import Report, RunRecord, SeedReport
 from stplan.scene import load_scene
 from stplan.scene.model import Scene, WorldChange
@@ -58,11 +59,8 @@ class Continuation:
 
     def rest(self) -> Certificate | None:
         """Whether the old plan's rest stays clear after the first change; None where nothing is left."""
-        from stplan.world import build_free_space
-
         change, lines = self.changes[0], self.plan.trajectories or self.plan.seed
-        space = None if change.scene.map is None else build_free_space(change.scene)
-        return rest_certificate(change, space, curves_of(lines))
+        return rest_certificate(change, space_of(change.scene), curves_of(lines))
 
 
 def events_of(path: Path) -> list[Any]:

@@ -18,6 +18,7 @@ from stplan.batch.events import GO_ON, Event, Finished, Progress, Started, Stop
 from stplan.batch.outcome import Outcome, RunState
 from stplan.batch.runs import Run
 from stplan.batch.worker import execute
+from stplan.callbacks import unheard
 from stplan.errors import UsageError
 
 if TYPE_CHECKING:
@@ -117,7 +118,7 @@ class _Submission:
 def execute_alone(run: Run, timeout: float | None) -> Outcome:
     """`execute`, one at a time in a process."""
     with _ALONE:
-        return execute(run, timeout, lambda line: None)
+        return execute(run, timeout, unheard)
 
 
 @contextmanager

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 from rich.console import Console, Group, RenderableType
@@ -13,6 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from stplan.batch.result import Result
+from stplan.callbacks import Progress
 
 # Rows of runs that are over.
 _LAST = 8
@@ -23,9 +24,7 @@ _MOST_AT_WORK = 16
 class LineWatcher:
     """One line for every run that is over, then its complaints; with `verbose` all it says before."""
 
-    def __init__(
-        self, say: Callable[[str], None], complain: Callable[[str], None], verbose: bool
-    ) -> None:
+    def __init__(self, say: Progress, complain: Progress, verbose: bool) -> None:
         self._say = say
         self._complain = complain
         self._verbose = verbose

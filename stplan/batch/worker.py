@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 from stplan.batch.outcome import Outcome, RunState
 from stplan.batch.runs import Run
+from stplan.callbacks import Progress, Stop, never
 from stplan.errors import (
     OutOfMemoryError,
     SceneError,
@@ -27,8 +28,8 @@ ONE_THREAD = dict.fromkeys(
 def execute(
     run: Run,
     timeout: float | None,
-    say: Callable[[str], None],
-    stop: Callable[[], bool] = lambda: False,
+    say: Progress,
+    stop: Stop = never,
 ) -> Outcome:
     """Plan `run`; every way to fail is an outcome.
 
@@ -66,8 +67,8 @@ def _interrupted(timeout: float | None, seconds: float) -> Outcome:
 def _plan(
     run: Run,
     timeout: float | None,
-    say: Callable[[str], None],
-    stop: Callable[[], bool],
+    say: Progress,
+    stop: Stop,
     elapsed: Callable[[], float],
 ) -> Outcome:
     from stplan.planned import plan_files

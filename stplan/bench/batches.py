@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -20,6 +20,7 @@ from stplan.bench.csv_table import csv_table
 from stplan.bench.machine import description
 from stplan.bench.markdown import table
 from stplan.bench.result_files import result_files
+from stplan.callbacks import Progress
 from stplan.errors import UsageError
 from stplan.files.recorded import RUN_RECORD, read_times
 
@@ -60,9 +61,7 @@ class MeasuredBatch:
         return self.runs / self.wall
 
 
-def measure(
-    num_runs: int, jobs: Sequence[int], *, progress: Callable[[str], None]
-) -> list[MeasuredBatch]:
+def measure(num_runs: int, jobs: Sequence[int], *, progress: Progress) -> list[MeasuredBatch]:
     """The same batch with each number of `jobs`.
 
     Raises:

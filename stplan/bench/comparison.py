@@ -18,6 +18,7 @@ from stplan.arrays import FloatArray, IntArray
 from stplan.bench.makespan import fastest
 from stplan.bench.rivals import casadi_grid, jupedsim_model, ompl_joint, rvo2
 from stplan.bench.rivals.task import Motion, Task
+from stplan.callbacks import Progress
 from stplan.certify.pair_clearance import nearest_moments
 from stplan.certify.wall_clearance import wall_distances
 from stplan.errors import UsageError
@@ -68,7 +69,7 @@ class Performance:
 
 
 def compare_planners(
-    folder: Path, names: Sequence[str], *, progress: Callable[[str], None]
+    folder: Path, names: Sequence[str], *, progress: Progress
 ) -> list[Performance]:
     """Ours first, then every rival, scene by scene; rivals that are not installed are left out.
 
@@ -100,7 +101,7 @@ def installed() -> list[str]:
     return [planner for planner, package, _ in RIVALS if find_spec(package)]
 
 
-def our_outcome(scene: Scene, name: str, *, progress: Callable[[str], None]) -> Performance:
+def our_outcome(scene: Scene, name: str, *, progress: Progress) -> Performance:
     """The certified plan of the least makespan."""
     blank = Performance(name, OURS, len(scene.agents))
     best = fastest(scene, progress=progress)

@@ -9,7 +9,7 @@ a certificate.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ import numpy as np
 
 from stplan.arrays import FloatArray
 from stplan.bench.solves import warm_up, with_solver
+from stplan.callbacks import Progress, unheard
 from stplan.certify.certificate import certify
 from stplan.errors import SeedingError, UsageError
 from stplan.nlp.term import Capability, Term
@@ -26,8 +27,6 @@ from stplan.planner import find_initial_curves, prepare
 from stplan.problem.world_lines import WorldLines
 from stplan.scene import load_scene
 from stplan.scene.model import Scene
-
-Progress = Callable[[str], None]
 
 # Options of `solver` that differ from the defaults, by the name of the variant.
 VARIANTS: Mapping[str, Mapping[str, Any]] = {
@@ -159,7 +158,7 @@ def trace(scene: Scene, seed: WorldLines, variant: str, time_limit: float) -> Tr
 
     outcome = optimise(
         problem, seed,
-        progress=lambda line: None,
+        progress=unheard,
         stop=lambda: time.perf_counter() - started > time_limit,
         observe=observe,
     )  # fmt: skip

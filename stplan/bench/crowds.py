@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from stplan.bench.families_crowds import FAMILIES
 from stplan.bench.solves import warm_up
+from stplan.callbacks import Progress
 from stplan.errors import SeedingError, UsageError
 from stplan.planner import Plan, plan
 from stplan.scene.model import Scene
@@ -73,7 +74,7 @@ def chosen_cases(names: Sequence[str], *, full: bool) -> tuple[Case, ...]:
 
 
 def measure(
-    cases: Sequence[Case], draws: int, *, largest: int, progress: Callable[[str], None]
+    cases: Sequence[Case], draws: int, *, largest: int, progress: Progress
 ) -> list[CrowdSolve]:
     """All draws of all cases with no more than `largest` agents."""
     warm_up()

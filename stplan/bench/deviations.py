@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,11 +12,10 @@ import numpy as np
 from stplan.analysis.own_costs import own_costs
 from stplan.bench.markdown import number, table
 from stplan.bench.solves import run, warm_up
+from stplan.callbacks import Progress
 from stplan.scene.model import Scene
 from stplan.scene.reading.load import load_scene
 from stplan.world import build_free_space
-
-Progress = Callable[[str], None]
 
 DEFAULT = "the default"
 # What is as in the paper, as `--set` has it. Alpha and the cutoff of the Hessian belong to smooth minima.

@@ -7,7 +7,6 @@ as slow as it is because nobody dares to.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from importlib.util import find_spec
 
@@ -17,6 +16,7 @@ from stplan.bench.comparison import OURS, Performance, measured
 from stplan.bench.families_crowds import grid_room
 from stplan.bench.rivals import jupedsim_model
 from stplan.bench.rivals.task import Motion
+from stplan.callbacks import Progress
 from stplan.certify.pair_clearance import nearest_moments
 from stplan.certify.wall_clearance import wall_distances
 from stplan.errors import SeedingError
@@ -47,7 +47,7 @@ def fastest_room(count: int) -> Scene:
     )
 
 
-def outcomes(count: int = COUNT, *, progress: Callable[[str], None]) -> list[Performance]:
+def outcomes(count: int = COUNT, *, progress: Progress) -> list[Performance]:
     """Ours first, then JuPedSim where it is installed."""
     scene = fastest_room(count)
     free_space = build_free_space(scene)
@@ -63,9 +63,7 @@ def outcomes(count: int = COUNT, *, progress: Callable[[str], None]) -> list[Per
     return found
 
 
-def our_outcome(
-    scene: Scene, free_space: FreeSpace | None, *, progress: Callable[[str], None]
-) -> Performance:
+def our_outcome(scene: Scene, free_space: FreeSpace | None, *, progress: Progress) -> Performance:
     """The certified plan, and what no plan is below."""
     blank = Performance(NAME, OURS, len(scene.agents))
     began = time.perf_counter()

@@ -23,12 +23,11 @@ from stplan.bench.comparison import (
 )
 from stplan.bench.rivals import casadi_grid, jupedsim_model, ompl_joint, repulsive, rvo2
 from stplan.bench.rivals.task import Motion, Task
+from stplan.callbacks import Progress
 from stplan.planner import plan
 from stplan.scene import parse_scene
 from stplan.scene.model import Scene
 from stplan.world import build_free_space
-
-Progress = Callable[[str], None]
 
 # Beside ours. Of two ways to start CasADi the one that needs nothing of ours.
 RIVALS: Sequence[tuple[str, str, Callable[[Task], Motion]]] = (

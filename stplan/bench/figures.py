@@ -17,6 +17,7 @@ import numpy as np
 from stplan.bench import families_open as wide
 from stplan.bench import families_tight as tight
 from stplan.bench.solves import SolveFigures, in_own_process, run, warm_up, with_solver
+from stplan.callbacks import Progress, unheard
 from stplan.errors import UsageError
 from stplan.multistart import straight_conflicts
 from stplan.optimize.continuation import optimise
@@ -195,7 +196,7 @@ def _fits(case: Case, name: str) -> bool:
     return case.name == name or case.name.startswith(f"{name}-")
 
 
-def measure(chosen: Sequence[Case], *, progress: Callable[[str], None]) -> list[Figure]:
+def measure(chosen: Sequence[Case], *, progress: Progress) -> list[Figure]:
     """Measure cases one after the other."""
     progress("warm-up")
     in_own_process(warm_up)
@@ -241,7 +242,7 @@ def _cost_after(scene: Scene, seed: WorldLines, seconds: float) -> tuple[float, 
     outcome = optimise(
         problem,
         problem.written.inside(seed),
-        progress=lambda line: None,
+        progress=unheard,
         stop=lambda: time.perf_counter() - started > seconds,
     )
     took = time.perf_counter() - started

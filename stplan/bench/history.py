@@ -11,7 +11,7 @@ import csv
 import os
 import subprocess
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
 from datetime import date
 from pathlib import Path
@@ -23,6 +23,7 @@ from stplan.arrays import FloatArray
 from stplan.bench.csv_table import csv_table
 from stplan.bench.machine import processor
 from stplan.bench.markdown import number, table
+from stplan.callbacks import Progress
 from stplan.errors import UsageError
 from stplan.files.atomic import write_atomically
 
@@ -162,9 +163,7 @@ def _change(ratio: float) -> str:
     return f"{ratio:.2f} times"
 
 
-def record(
-    folder: Path, path: Path, *, progress: Callable[[str], None], loop: float | None = None
-) -> str:
+def record(folder: Path, path: Path, *, progress: Progress, loop: float | None = None) -> str:
     """Append what is in `folder` to the history at `path`; Markdown that compares it with what was.
 
     Raises:

@@ -8,12 +8,12 @@ of all is kept.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from stplan.callbacks import Progress
 from stplan.errors import SeedingError
 from stplan.planner import Plan, plan
 from stplan.scene.model import Agent, Scene
@@ -41,7 +41,7 @@ class Fastest:
     solves: int
 
 
-def fastest(scene: Scene, *, progress: Callable[[str], None]) -> Fastest | None:
+def fastest(scene: Scene, *, progress: Progress) -> Fastest | None:
     """The best plan of all horizons down to the first that has none; None where there is none at all."""
     began = time.perf_counter()
     least = max(shortest_time(agent) for agent in scene.agents)

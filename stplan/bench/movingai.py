@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +18,7 @@ import shapely
 
 from stplan import planner
 from stplan.arrays import BoolArray, IntArray
+from stplan.callbacks import Progress
 from stplan.errors import SeedingError, UsageError
 from stplan.imports.draft import SceneDraft, free_space_of, scene_name
 from stplan.optional import require
@@ -66,7 +67,7 @@ def measure(
     rng_seed: int = 0,
     *,
     rival: bool = True,
-    progress: Callable[[str], None],
+    progress: Progress,
 ) -> list[GridOutcome]:
     """Plan every instance.
 

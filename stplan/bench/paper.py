@@ -14,6 +14,7 @@ from stplan.bench import families_open as wide
 from stplan.bench.families_maze import maze
 from stplan.bench.scaling import Sweep, growth
 from stplan.bench.solves import SolveFigures, run, warm_up, with_solver
+from stplan.callbacks import Progress
 from stplan.costs.contacts.contact_term import ContactTerm
 from stplan.costs.formulation import TermSetup
 from stplan.costs.registry import build_terms
@@ -23,8 +24,6 @@ from stplan.planner import find_initial_curves, prepare
 from stplan.scene.model import Scene, SolverSettings
 from stplan.scene.presets import PAPER
 from stplan.scene.reading.load import load_scene
-
-Progress = Callable[[str], None]
 
 # Scenes below the folder of all scenes, and what the paper shows by them.
 FIGURES: Mapping[str, str] = {

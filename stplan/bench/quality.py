@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from stplan.analysis.own_costs import own_costs
 from stplan.bench.ledger import Entry
 from stplan.bench.solves import warm_up
+from stplan.callbacks import Progress
 from stplan.improvement.budget import ImprovementBudget
 from stplan.planner import improve, plan
 from stplan.scene.reading.load import load_scene
@@ -58,9 +58,7 @@ class Quality:
         return [Entry(self.scene, self.improved, command)]
 
 
-def measure(
-    files: dict[str, Path], moves: int, *, progress: Callable[[str], None]
-) -> list[Quality]:
+def measure(files: dict[str, Path], moves: int, *, progress: Progress) -> list[Quality]:
     """Every scene planned by default, and improved by so many moves."""
     warm_up()
     found = []

@@ -6,7 +6,7 @@ length; ours are given none, they take what costs least.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -18,11 +18,10 @@ from stplan.bench.csv_table import csv_table
 from stplan.bench.markdown import number, table
 from stplan.bench.result_files import result_files
 from stplan.bench.rivals.repulsive import repel
+from stplan.callbacks import Progress
 from stplan.planner import plan
 from stplan.scene.model import Scene
 from stplan.scene.reading.load import load_scene
-
-Progress = Callable[[str], None]
 
 OURS = "stplan"
 SMALL_SCENES = ("three-agents/symmetric",)

@@ -8,7 +8,6 @@ as if one had known the right enlargement. Both start from nothing and are timed
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,13 +17,12 @@ from stplan.analysis.metrics import metrics
 from stplan.arrays import FloatArray
 from stplan.bench import families_open as wide
 from stplan.bench.solves import run, warm_up
+from stplan.callbacks import Progress
 from stplan.certify.certificate import Certificate, certify
 from stplan.optional import require
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.interactions import scene_interactions
 from stplan.scene.model import Scene
-
-Progress = Callable[[str], None]
 
 SMALL_SIZES, SIZES = (8, 16), (8, 16, 32)
 FULL_DRAWS = 3

@@ -14,10 +14,9 @@ import numpy as np
 from stplan.bench import families_open as wide
 from stplan.bench.families_maze import maze
 from stplan.bench.solves import SolveFigures, run, warm_up, with_solver
+from stplan.callbacks import Progress
 from stplan.scene.model import Scene
 from stplan.world import build_free_space
-
-Progress = Callable[[str], None]
 
 SMALL_DRAWS, FULL_DRAWS = 1, 3
 # Parts of an iteration that are fitted, as they are called in the tables.

@@ -18,6 +18,7 @@ import numpy as np
 
 from stplan.bench import families_open as wide
 from stplan.bench import families_tight as tight
+from stplan.callbacks import Progress, unheard
 from stplan.certify.certificate import certify
 from stplan.errors import SeedingError, UsageError
 from stplan.problem.kinetic_cost import total_kinetic_cost
@@ -27,7 +28,6 @@ from stplan.seeding.portfolio import find_seed
 from stplan.world import build_free_space
 
 Draw = Callable[[np.random.Generator], Scene]
-Progress = Callable[[str], None]
 
 FIELD = "open field 0.06"
 SMALL_DRAWS, FULL_DRAWS = 3, 20
@@ -221,7 +221,7 @@ def measure_one(
     failed = Measurement(family.name, draw, len(scene.agents), False, 0.0, 0.0, np.nan, "", "")
     started, cpu_started = time.perf_counter(), time.process_time()
     try:
-        seed = find_seed(problem, progress=lambda line: None)
+        seed = find_seed(problem, progress=unheard)
     except SeedingError as error:
         failed = _timed(failed, started, cpu_started)
         return replace(failed, reason=str(error).splitlines()[0])

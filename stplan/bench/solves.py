@@ -15,6 +15,7 @@ import numpy as np
 
 from stplan.bench import families_open as wide
 from stplan.bench import families_tight as tight
+from stplan.callbacks import Stop
 from stplan.errors import SeedingError
 from stplan.planner import Plan, plan, write_plan
 from stplan.scene.model import Scene
@@ -58,7 +59,7 @@ class SolveFigures:
         return self.optimise_seconds / self.iterations if self.iterations else np.nan
 
 
-def run(scene: Scene, stop: Callable[[], bool] | None = None) -> tuple[SolveFigures, Plan | None]:
+def run(scene: Scene, stop: Stop | None = None) -> tuple[SolveFigures, Plan | None]:
     """Plan `scene`, until `stop` at most, and write its files to a folder that is removed again."""
     started = time.perf_counter()
     try:

@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
@@ -21,6 +21,7 @@ from stplan.bench.csv_table import csv_table
 from stplan.bench.machine import description
 from stplan.bench.markdown import table
 from stplan.bench.result_files import result_files
+from stplan.callbacks import Progress
 from stplan.errors import UsageError
 
 ROUNDS, FULL_ROUNDS = 5, 15
@@ -67,9 +68,7 @@ class Timed:
         return self.processor / median(run.processor for run in self.beside)
 
 
-def measure(
-    scene: Path, *, rounds: int, first_rounds: int, progress: Callable[[str], None]
-) -> list[Timed]:
+def measure(scene: Path, *, rounds: int, first_rounds: int, progress: Progress) -> list[Timed]:
     """Time the yardstick, help, validation and solution of `scene`, and its first solution.
 
     Raises:
@@ -94,9 +93,7 @@ def measure(
     return [*timed, Timed(FIRST, tuple(first), timed[0].beside)]
 
 
-def _rounds(
-    commands: Mapping[str, Sequence[str]], rounds: int, progress: Callable[[str], None]
-) -> list[Timed]:
+def _rounds(commands: Mapping[str, Sequence[str]], rounds: int, progress: Progress) -> list[Timed]:
     """The yardstick and the commands in turn, after a first run of each that leaves code for later ones."""
     beside: list[Spent] = []
     runs: dict[str, list[Spent]] = {name: [] for name in commands}

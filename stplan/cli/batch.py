@@ -15,7 +15,7 @@ import typer
 from stplan.cli.command import command, group
 from stplan.cli.console import Console, worst, write
 from stplan.cli.cores import usable_cores
-from stplan.cli.options import Overrides
+from stplan.cli.options import Overrides, Sweeps
 from stplan.cli.signals import answered_by
 from stplan.errors import UsageError
 
@@ -51,14 +51,7 @@ def batch(
         typer.Option("--jobs", "-j", min=1, help="Processes at a time.  [default: all cores]"),
     ] = None,
     overrides: Overrides = None,
-    sweeps: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--sweep",
-            metavar="KEY=A,B,C",
-            help="Run with each of the values; several sweeps: with every combination.",
-        ),
-    ] = None,
+    sweeps: Sweeps = None,
     filters: Annotated[
         list[str] | None,
         typer.Option(

@@ -29,6 +29,22 @@ Overrides = Annotated[
         help="Override a value of the scene, as in solver.mu=0.1 or agents.sam.radius=0.4; may be repeated.",
     ),
 ]
+Happening = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="A value of the scene from then on, as in agents.sam.goal=[2,3]; may be repeated.",
+    ),
+]
+Sweeps = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--sweep",
+        metavar="KEY=A,B,C",
+        help="Run with each of the values; several sweeps: with every combination.",
+    ),
+]
 Workers = Annotated[
     int | None,
     typer.Option(

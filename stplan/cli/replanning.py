@@ -10,7 +10,7 @@ import typer
 
 from stplan.cli.command import command, group
 from stplan.cli.console import Console
-from stplan.cli.options import Output
+from stplan.cli.options import Happening, Output
 from stplan.cli.signals import answered_by
 from stplan.errors import SeedingError, StoppedError, UsageError
 from stplan.stopping import StopRequest
@@ -27,14 +27,7 @@ def replan(
     run: Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a run.")],
     *,
     at: Annotated[float | None, typer.Option(help="When --set becomes known, s.")] = None,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="KEY=VALUE",
-            help="A value of the scene from then on, as in agents.sam.goal=[2,3]; may be repeated.",
-        ),
-    ] = None,
+    settings: Happening = None,
     events: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Events as in a scene (YAML).")
     ] = None,

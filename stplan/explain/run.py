@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from stplan.amounts import amount
 from stplan.analysis.arrival_gap import arrival_gap
 from stplan.analysis.cost_bound import cost_bound
 from stplan.analysis.crowd import Crowd
 from stplan.analysis.detours import ways_alone
+from stplan.callbacks import Progress, unheard
 from stplan.certify.certificate import Certificate, certify
 from stplan.certify.history import certify_history
 from stplan.explain.arrivals import arrival_section
@@ -20,10 +19,10 @@ from stplan.problem.continuation import curves_of
 from stplan.problem.ends import ending_as
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
-from stplan.problem.worlds import whole_scene, worlds_of
+from stplan.problem.worlds import space_of, spaces_of, whole_scene
 from stplan.scene.model import Scene
 from stplan.wording import count
-from stplan.world import build_free_space, fitted_free_space, warnings_of
+from stplan.world import fitted_free_space, warnings_of
 
 
 def explain_run(
@@ -31,7 +30,7 @@ def explain_run(
     lines: WorldLines,
     report: RecordedReport | None = None,
     *,
-    progress: Callable[[str], None] = lambda line: None,
+    progress: Progress = unheard,
 ) -> tuple[Explanation, Certificate]:
     """What `lines` (in any order of agents) look like, and their certificate.
 
@@ -44,13 +43,12 @@ def explain_run(
     """
     happened = scene
     scene = whole_scene(scene, curves_of(lines)) if scene.changes else ending_as(scene, lines)
-    space = build_free_space(scene) if happened.changes else fitted_free_space(scene)
+    space = space_of(scene) if happened.changes else fitted_free_space(scene)
     problem = PlanningProblem.from_scene(scene, space)
     for line in warnings_of(scene, problem.free_space):
         progress(line)
     if happened.changes:
-        spaces = [build_free_space(world.scene) for world in worlds_of(happened)]
-        certificate = certify_history(happened, spaces, lines)
+        certificate = certify_history(happened, spaces_of(happened), lines)
     else:
         certificate = certify(scene, problem.free_space, lines)
     verdict = "holds" if certificate.holds else "IS BROKEN"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +15,7 @@ from stplan.analysis.detours import ways_alone
 from stplan.analysis.encounters import Encounter, encounters
 from stplan.analysis.passages import WIDE, Passage, passages
 from stplan.arrays import FloatArray
+from stplan.callbacks import Progress, Stop, never, unheard
 from stplan.certify.places import distance_outside
 from stplan.errors import BROKEN_SEED, BrokenSeedError, SeedingError
 from stplan.explain.arrivals import arrival_section
@@ -32,8 +33,8 @@ def explain_scene(
     scene: Scene,
     *,
     time_limit: float,
-    progress: Callable[[str], None] = lambda line: None,
-    stop: Callable[[], bool] = lambda: False,
+    progress: Progress = unheard,
+    stop: Stop = never,
 ) -> tuple[Explanation, bool]:
     """What is to be said of a scene, and whether it can be planned: exactly where `planner.plan` can.
 

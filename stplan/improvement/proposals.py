@@ -9,13 +9,14 @@ those it meets. Now and then everybody is planned anew, by large-neighbourhood s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.callbacks import Stop, never
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import requirement
 from stplan.problem.verification import verify
@@ -53,7 +54,6 @@ WARP = 0.9
 FIRST_SEEDS, SEED_MOVES = 3, 150
 
 Curves = list[FloatArray]
-Stopped = Callable[[], bool]
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ MOVES = (
 class _StoppedBudget(Budget):
     """A budget that is spent when somebody says so."""
 
-    stopped: Stopped = lambda: False
+    stopped: Stop = never
 
     def spent(self) -> bool:
         """Whether it is."""
@@ -127,7 +127,7 @@ class Proposals:
         self._excess = np.where(self._problem.prescribed, 0.0, np.maximum(excess, floor))
         self._reserved = None
 
-    def propose(self, move: Move, stopped: Stopped) -> Curves | None:
+    def propose(self, move: Move, stopped: Stop) -> Curves | None:
         """Clear curves of all agents, prepared to be optimised; None where the move leads to none."""
         if move.kind == ANEW:
             return self._planned_anew(stopped)
@@ -178,7 +178,7 @@ class Proposals:
                 self._planner.add(self._reserved.blocks(agent))
         return self._reserved
 
-    def _replanned(self, move: Move, stopped: Stopped) -> Curves | None:
+    def _replanned(self, move: Move, stopped: Stop) -> Curves | None:
         """Other ways through the roadmap for a few agents, all others as they are."""
         reserved = self._reservations()
         if reserved is None or self._planner is None:
@@ -206,7 +206,7 @@ class Proposals:
         paths = tuple(None if agent in new else curve for agent, curve in enumerate(curves))
         return self._prepared(replace(self._problem, paths=paths), curves, stopped)
 
-    def _kicked(self, move: Move, stopped: Stopped) -> Curves | None:
+    def _kicked(self, move: Move, stopped: Stop) -> Curves | None:
         """A few agents kicked, and everybody relaxed."""
         curves = list(self._curves)
         for agent in self._group(move.size):
@@ -226,7 +226,7 @@ class Proposals:
         )
         return self._prepared(self._problem, found.curves, stopped) if found.clear else None
 
-    def _planned_anew(self, stopped: Stopped) -> Curves | None:
+    def _planned_anew(self, stopped: Stop) -> Curves | None:
         """Everybody planned anew."""
         budget = _StoppedBudget(rng_seed=self._rng_seed(), stopped=stopped)
         start = cheapest_start(self._levels, FIRST_SEEDS, budget)
@@ -239,9 +239,7 @@ class Proposals:
         )  # fmt: skip
         return self._prepared(self._problem, tight, stopped)
 
-    def _prepared(
-        self, problem: PlanningProblem, curves: Curves, stopped: Stopped
-    ) -> Curves | None:
+    def _prepared(self, problem: PlanningProblem, curves: Curves, stopped: Stop) -> Curves | None:
         """Clear `curves` shortened and retimed, None where they are not clear after all."""
         if stopped() or verify(problem, curves):
             return None

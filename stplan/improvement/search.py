@@ -12,7 +12,6 @@ their limits come from.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from typing import Any
@@ -21,6 +20,7 @@ import numpy as np
 
 from stplan.analysis.own_costs import own_costs
 from stplan.arrays import FloatArray
+from stplan.callbacks import Progress, Stop, unheard
 from stplan.certify.certificate import Certificate, certify
 from stplan.compiled import working_time
 from stplan.deadline import OutOfTimeError, until
@@ -34,9 +34,6 @@ from stplan.problem.launches import Launches
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.seeding.homotopy import signature
-
-Stop = Callable[[], bool]
-Progress = Callable[[str], None]
 
 # Dearer proposals than so many times the present plan are not optimised at all: all that ever succeeded
 # were below 1.13.
@@ -273,7 +270,7 @@ class _Search:
         if self._trials.cost(lines) > PREPARED_SCREEN * self._best.cost:
             return None
         if asks_for_more(problem):
-            lines = restore(problem, lines, progress=_unheard, stop=self._stopped)
+            lines = restore(problem, lines, progress=unheard, stop=self._stopped)
             if not self._holds(lines):
                 return None
         short = self._trials.shortly(lines, self._best.cost)
@@ -305,7 +302,3 @@ def _least_costs(problem: PlanningProblem, ways: list[FloatArray | None]) -> Flo
             for agent, way in zip(problem.scene.agents, ways, strict=True)
         ]
     )
-
-
-def _unheard(line: str) -> None:
-    del line

@@ -6,10 +6,10 @@ more than 1.03 times the best plan after them never became cheaper than it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from stplan.analysis.own_costs import own_costs
+from stplan.callbacks import Stop, unheard
 from stplan.optimize.continuation import Optimisation, optimise
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
@@ -32,7 +32,7 @@ class Trials:
     """
 
     problem: PlanningProblem
-    stop: Callable[[], bool]
+    stop: Stop
     iterations: int = 0
 
     def shortly(self, lines: WorldLines, best: float) -> WorldLines | None:
@@ -58,10 +58,6 @@ class Trials:
 
     def _run(self, lines: WorldLines, settings: SolverSettings, begin: int) -> Optimisation:
         problem = replace(self.problem, scene=replace(self.problem.scene, solver=settings))
-        found = optimise(problem, lines, progress=_unheard, stop=self.stop, begin=begin)
+        found = optimise(problem, lines, progress=unheard, stop=self.stop, begin=begin)
         self.iterations += found.iterations
         return found
-
-
-def _unheard(line: str) -> None:
-    del line

@@ -11,6 +11,7 @@ import numpy as np
 from numba.core import event
 
 from stplan import planner
+from stplan.callbacks import never
 from stplan.errors import SeedingError
 from stplan.installation.kernels import all_kernels
 from stplan.problem.world_lines import WorldLines
@@ -136,7 +137,7 @@ def _search_jointly(levels: Levels) -> None:
     """The last resorts of search, which scenes as simple as these do not need."""
     JointSearch(levels).attempt(Budget())
     level = levels.at(margin_ladder(levels.problem.scene.seeding.margin)[-1])
-    plan_jointly(level.planner(1), (0, 1), np.random.default_rng(0), lambda: False)
+    plan_jointly(level.planner(1), (0, 1), np.random.default_rng(0), never)
 
 
 def _crowd_text(count: int) -> str:

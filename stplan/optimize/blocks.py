@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
+from stplan.callbacks import Progress, Stop
 from stplan.optimize.components import connected
 from stplan.optimize.continuation import LiveLine, Optimisation, OuterIteration
 from stplan.optimize.parts import DividedProblem, Part
@@ -50,8 +51,8 @@ def optimise_blocks(
     seed: WorldLines,
     size: int,
     *,
-    progress: Callable[[str], None],
-    stop: Callable[[], bool],
+    progress: Progress,
+    stop: Stop,
     live: LiveLine | None = None,
     num_workers: int = 1,
 ) -> Optimisation:

@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from stplan.arrays import BoolArray, IntArray
+from stplan.callbacks import Progress, Stop
 from stplan.optimize.continuation import LiveLine, Optimisation, OuterIteration
 from stplan.optimize.parts import DividedProblem, Part
 from stplan.problem.planning_problem import PlanningProblem
@@ -50,8 +51,8 @@ def optimise_components(
     parts: DividedProblem,
     found: Sequence[IntArray],
     *,
-    progress: Callable[[str], None],
-    stop: Callable[[], bool],
+    progress: Progress,
+    stop: Stop,
     live: LiveLine | None = None,
 ) -> Optimisation:
     """All components, again where they have joined."""

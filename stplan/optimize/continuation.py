@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.callbacks import Progress, Stop
 from stplan.costs.formulation import Formulation
 from stplan.nlp.backend import Backend
 from stplan.nlp.ipopt.adapter import Ipopt
@@ -106,8 +107,8 @@ def optimise(
     problem: PlanningProblem,
     seed: WorldLines,
     *,
-    progress: Callable[[str], None],
-    stop: Callable[[], bool],
+    progress: Progress,
+    stop: Stop,
     observe: Observer | None = None,
     live: LiveLine | None = None,
     backend: Backend | None = None,
@@ -163,8 +164,8 @@ class _Loop:
         formulation: Formulation,
         seed: WorldLines,
         backend: Backend,
-        progress: Callable[[str], None],
-        stop: Callable[[], bool],
+        progress: Progress,
+        stop: Stop,
         observe: Observer | None,
         live: LiveLine | None,
     ) -> None:

@@ -6,12 +6,12 @@ falling long before that one has arrived at its best.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray
+from stplan.callbacks import Stop
 from stplan.costs.formulation import Formulation
 from stplan.nlp.solution import Iteration
 from stplan.nlp.step_control import StepControl
@@ -52,9 +52,7 @@ class Judge:
         interrupted: whether the caller has had enough.
     """
 
-    def __init__(
-        self, formulation: Formulation, patience: Patience, interrupted: Callable[[], bool]
-    ) -> None:
+    def __init__(self, formulation: Formulation, patience: Patience, interrupted: Stop) -> None:
         scales, scene = formulation.scales, formulation.problem.scene
         self._solver = scene.solver
         self._layout = formulation.layout

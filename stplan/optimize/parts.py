@@ -6,12 +6,13 @@ came too near out of view is looked at afterwards; then the part is optimised an
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.callbacks import Stop, unheard
 from stplan.costs.formulation import TermSetup
 from stplan.costs.registry import build_terms
 from stplan.nlp.step_control import Stopwatch
@@ -76,9 +77,7 @@ class DividedProblem:
         stop: asked after every iteration.
     """
 
-    def __init__(
-        self, problem: PlanningProblem, seed: WorldLines, stop: Callable[[], bool]
-    ) -> None:
+    def __init__(self, problem: PlanningProblem, seed: WorldLines, stop: Stop) -> None:
         self.problem, self._seed, self.stop = problem, seed, stop
         self.formulation = formulate(problem, seed)
         self.knots = seed.knots.copy()
@@ -110,7 +109,7 @@ class DividedProblem:
         for _ in range(MOST_VIEWS):
             around = self.surveyor.around(self.knots, members, view, part.beside, part.strength)
             found = optimise(
-                problem, lines, progress=_unheard, stop=self.stop, begin=part.begin, live=live,
+                problem, lines, progress=unheard, stop=self.stop, begin=part.begin, live=live,
                 formulation=formulate(problem, lines, surroundings=around),
             )  # fmt: skip
             moved = self._with(members, found.world_lines.curves())
@@ -227,7 +226,3 @@ def _add(watch: Stopwatch, other: Stopwatch) -> None:
     watch.hessian += other.hessian
     watch.evaluations += other.evaluations
     watch.refused += other.refused
-
-
-def _unheard(line: str) -> None:
-    del line

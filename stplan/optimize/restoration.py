@@ -7,11 +7,12 @@ everybody apart as ever, until the penalties' own barriers could take over. Ever
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
+from stplan.callbacks import Progress, Stop
 from stplan.costs.formulation import Formulation, Penalties, TermSetup
 from stplan.costs.limit import limits_among
 from stplan.costs.registry import build_terms
@@ -60,8 +61,8 @@ def restore(
     seed: WorldLines,
     planned: Sequence[Rendezvous] = (),
     *,
-    progress: Callable[[str], None],
-    stop: Callable[[], bool],
+    progress: Progress,
+    stop: Stop,
 ) -> WorldLines:
     """`seed` with knots for its timed constraints, keeping the scene's limits where that was reached.
 
@@ -86,9 +87,7 @@ def restore(
 class _Rounds:
     """Penalised programs around the current knots."""
 
-    def __init__(
-        self, formulation: Formulation, knots: FloatArray, stop: Callable[[], bool]
-    ) -> None:
+    def __init__(self, formulation: Formulation, knots: FloatArray, stop: Stop) -> None:
         self.formulation = formulation
         self.knots = knots
         self._stop = stop
@@ -139,7 +138,7 @@ class _Rounds:
 class _Content:
     """Ends a round as soon as all limits are kept, or where it gets no further."""
 
-    def __init__(self, rounds: _Rounds, control: StepControl, stop: Callable[[], bool]) -> None:
+    def __init__(self, rounds: _Rounds, control: StepControl, stop: Stop) -> None:
         self._rounds, self._control, self._stop = rounds, control, stop
         self._values: list[float] = []
 

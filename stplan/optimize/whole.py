@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
+from stplan.callbacks import Progress, Stop
 from stplan.optimize.blocks import block_size, optimise_blocks
 from stplan.optimize.components import components, optimise_components
 from stplan.optimize.continuation import LiveLine, Optimisation, optimise
@@ -18,8 +17,8 @@ def optimise_whole(
     problem: PlanningProblem,
     seed: WorldLines,
     *,
-    progress: Callable[[str], None],
-    stop: Callable[[], bool],
+    progress: Progress,
+    stop: Stop,
     live: LiveLine | None = None,
     num_workers: int = 1,
 ) -> Optimisation:

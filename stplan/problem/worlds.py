@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stplan.arrays import FloatArray
 from stplan.scene.model import Agent, Scene
+
+if TYPE_CHECKING:
+    from stplan.world import FreeSpace
 
 
 @dataclass(frozen=True)
@@ -41,6 +45,41 @@ def worlds_of(scene: Scene) -> list[World]:
         World(one, begin, end, removed)
         for (one, removed), begin, end in zip(scenes, begins, ends, strict=True)
     ]
+
+
+def space_of(scene: Scene) -> FreeSpace | None:
+    """The free space of a scene that has no changes, None in the open plane: then no map room is loaded.
+
+    Raises:
+        SceneError: the map cannot be read, or nothing is left of it.
+    """
+    if scene.map is None:
+        return None
+    from stplan.world import build_free_space
+
+    return build_free_space(scene)
+
+
+def spaces_of(scene: Scene) -> list[FreeSpace | None]:
+    """The free space of every world of a scene. Worlds of one map share theirs. Raises likewise."""
+    known: list[tuple[Scene, FreeSpace | None]] = []
+    spaces = []
+    for world in worlds_of(scene):
+        now = world.scene
+        found = next((one for one in known if _same_floor(one[0], now)), None)
+        if found is None:
+            found = now, space_of(now)
+            known.append(found)
+        spaces.append(found[1])
+    return spaces
+
+
+def _same_floor(one: Scene, other: Scene) -> bool:
+    """Whether the free space of both is the same, as far as their maps and smallest radii tell."""
+    if one.map is None or other.map is None:
+        return one.map is other.map
+    least, least_other = (min(agent.radius for agent in each.agents) for each in (one, other))
+    return one.map == other.map and least == least_other
 
 
 def whole_scene(scene: Scene, curves: Mapping[str, FloatArray]) -> Scene:

@@ -5,13 +5,14 @@ Nothing that happened before is touched, and what was executed is certified as a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from stplan import planner
 from stplan.analysis.metrics import metrics
 from stplan.arrays import FloatArray
+from stplan.callbacks import Progress, Stop, never, unheard
 from stplan.certify.certificate import Certificate
 from stplan.certify.history import certify_history
 from stplan.clock import Clock
@@ -19,17 +20,13 @@ from stplan.errors import BrokenSeedError, StoppedError
 from stplan.planned import Plan
 from stplan.problem.continuation import curves_of, joined_history
 from stplan.problem.world_lines import WorldLines
-from stplan.problem.worlds import whole_scene, worlds_of
+from stplan.problem.worlds import spaces_of, whole_scene
 from stplan.report import OptimisationReport
 from stplan.scene.model import Scene, WorldChange
 from stplan.status import Status
 
 if TYPE_CHECKING:
     from stplan.optimize.continuation import LiveLine
-    from stplan.world import FreeSpace
-
-Progress = Callable[[str], None]
-Stop = Callable[[], bool]
 
 
 def plan(
@@ -68,14 +65,14 @@ def go_on(
     """
     from stplan.replanning.mending import mend
 
-    progress, stop = progress or _silent, stop or _never
+    progress, stop = progress or unheard, stop or never
     clock = Clock()
     known = len(scene.changes) - len(changes)
     earlier = scene.changes[known - 1].scene if known else scene
     lines = before.trajectories or before.seed
     history, seeds = curves_of(lines), curves_of(before.seed)
     made: OptimisationReport | None = before.report.optimisation
-    spaces = [_space(world.scene) for world in worlds_of(scene)]
+    spaces = spaces_of(scene)
     with clock.stage("replan"):
         for number, change in enumerate(changes, start=known):
             if stop():
@@ -106,24 +103,8 @@ def check(scene: Scene, lines: WorldLines, *, progress: Progress | None = None) 
     """The certificate of any trajectories against `scene`, changes included. Raises like `planner.check`."""
     if not scene.changes:
         return planner.check(scene, lines, progress=progress)
-    return certify_history(scene, [_space(world.scene) for world in worlds_of(scene)], lines)
+    return certify_history(scene, spaces_of(scene), lines)
 
 
 def _lines(curves: Mapping[str, FloatArray]) -> WorldLines:
     return WorldLines.from_curves(list(curves), list(curves.values()))
-
-
-def _space(scene: Scene) -> FreeSpace | None:
-    if scene.map is None:
-        return None
-    from stplan.world import build_free_space
-
-    return build_free_space(scene)
-
-
-def _silent(line: str) -> None:
-    del line
-
-
-def _never() -> bool:
-    return False

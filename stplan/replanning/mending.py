@@ -6,13 +6,14 @@ touch join them, in the end everybody. Then all are optimised, from the rest of 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stplan import planner
 from stplan.arrays import FloatArray
+from stplan.callbacks import Progress, Stop, never, unheard
 from stplan.errors import SceneError, SeedingError
 from stplan.multistart import best_seeds
 from stplan.optimize.continuation import Optimisation, optimise
@@ -33,8 +34,6 @@ FROM_END = 2
 # Knots of the same place and time up to rounding, m and s.
 SAME = 1e-9
 
-Progress = Callable[[str], None]
-Stop = Callable[[], bool]
 Curves = dict[str, FloatArray]
 
 
@@ -74,7 +73,7 @@ def mend(
     Raises:
         SeedingError: there is none.
     """
-    progress, stop = progress or _silent, stop or _never
+    progress, stop = progress or unheard, stop or never
     scene = continued_scene(earlier, history, change)
     if planned.metric == "chosen":
         scene = replace(
@@ -163,43 +162,37 @@ class _Mending:
 
     def _kept_curves(self) -> dict[int, FloatArray]:
         """What is left of everybody's curve in the frame, where it is not concerned; launches too."""
-        problem, rest = self._problem, self._rest
-        frame, at = problem.frame, self._change.at
         curves: dict[int, FloatArray] = {}
-        for a, name in enumerate(problem.agent_ids):
-            path = problem.paths[a]
+        for a in range(self._problem.num_agents):
+            path = self._problem.paths[a]
             if path is not None:
                 curves[a] = path
-                continue
-            if a in self._concerned:
-                continue
-            start = np.append(rest.starts[a], rest.start_times[a])
-            old = self._history[name]
-            later = old[old[:, 2] > at]
-            if old[0, 2] >= at:
-                local = np.column_stack(
-                    [frame.local_points(old[:, :2]), frame.local_times(old[:, 2])]
-                )
-            elif not len(later):
-                end = np.append(rest.goals[a], rest.max_times[a])
-                curves[a] = np.vstack([start, end])
-                continue
-            else:
-                local = np.column_stack(
-                    [frame.local_points(later[:, :2]), frame.local_times(later[:, 2])]
-                )
-                local = np.vstack([start, local[local[:, 2] > start[2] + SAME]])
-            local[0] = start
-            local[-1, :2] = (
-                rest.goals[a] if not problem.scene.agents[a].goal_places else local[-1, :2]
-            )
-            local[-1, 2] = min(local[-1, 2], rest.max_times[a])
-            curves[a] = local
-        for number in range(problem.num_agents, rest.num_agents):
-            path = rest.paths[number]
+            elif a not in self._concerned:
+                curves[a] = self._kept_curve(a)
+        for number in range(self._problem.num_agents, self._rest.num_agents):
+            path = self._rest.paths[number]
             if path is not None:
                 curves[number] = path
         return curves
+
+    def _kept_curve(self, agent: int) -> FloatArray:
+        """What is left of a curve, from where its launch ends; who arrived stands."""
+        rest, frame, at = self._rest, self._problem.frame, self._change.at
+        start = np.append(rest.starts[agent], rest.start_times[agent])
+        old = self._history[self._problem.agent_ids[agent]]
+        later = old[old[:, 2] > at]
+        if not len(later):
+            return np.vstack([start, np.append(rest.goals[agent], rest.max_times[agent])])
+        begun = bool(old[0, 2] < at)
+        kept = later if begun else old
+        local = np.column_stack([frame.local_points(kept[:, :2]), frame.local_times(kept[:, 2])])
+        if begun:
+            local = np.vstack([start, local[local[:, 2] > start[2] + SAME]])
+        local[0] = start
+        if not self._problem.scene.agents[agent].goal_places:
+            local[-1, :2] = rest.goals[agent]
+        local[-1, 2] = min(local[-1, 2], rest.max_times[agent])
+        return local
 
     def _with_blocked(self, curves: dict[int, FloatArray]) -> set[int]:
         """The agents concerned, and those whose curves touch something by now."""
@@ -225,7 +218,7 @@ class _Mending:
         """Curves of a `group` among those of all others."""
         rest = self._rest
         part = _among(rest, {a: curve for a, curve in curves.items() if a not in group})
-        every = list(best_seeds(part, progress=_silent).seeds[0].world_lines.curves())
+        every = list(best_seeds(part, progress=unheard).seeds[0].world_lines.curves())
         found = {a: every[a] for a in group}
         whole = curves | found
         faults = verify(rest, [whole[a] for a in range(rest.num_agents)])
@@ -285,11 +278,3 @@ def _among(problem: PlanningProblem, curves: Mapping[int, FloatArray]) -> Planni
         ),
         paths=tuple(curves.get(a, path) for a, path in enumerate(problem.paths)),
     )
-
-
-def _silent(line: str) -> None:
-    del line
-
-
-def _never() -> bool:
-    return False

@@ -19,6 +19,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.callbacks import Progress
 from stplan.compiled import working_time
 from stplan.deadline import OutOfTimeError, until
 from stplan.errors import SeedingError
@@ -41,7 +42,7 @@ from stplan.seeding.search.levels import Levels
 from stplan.seeding.search.mending import Mending
 from stplan.seeding.search.schedule import MOST_EFFORT, SOON_EFFORT, Search
 from stplan.seeding.search.sequential_dijkstra import SequentialDijkstra
-from stplan.seeding.seeder import Budget, Progress, SeedAttempt, Seeder, SeedRecord
+from stplan.seeding.seeder import Budget, SeedAttempt, Seeder, SeedRecord
 from stplan.seeding.shortcutting.compression import arriving_as, compressed
 from stplan.seeding.shortcutting.shortcuts import prepare_seed, resample
 from stplan.seeding.time_bounds import out_of_time

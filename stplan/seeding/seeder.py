@@ -6,20 +6,13 @@ ways), so that it can be asked again and again with other random numbers.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from typing import Protocol
 
 from stplan.arrays import FloatArray
+from stplan.callbacks import Progress, unheard
 from stplan.compiled import working_time
 from stplan.reasons import Reason
-
-Progress = Callable[[str], None]
-
-
-def unheard(line: str) -> None:
-    """Progress that nobody is told."""
-    del line
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from stplan.arrays import FloatArray
+from stplan.callbacks import Progress, unheard
 from stplan.errors import UsageError
 from stplan.viewing.movie_frames import Film, default_height
 from stplan.viewing.run_view import RunView
@@ -36,7 +37,7 @@ def movie_bytes(
     fps: float = 25.0,
     speed: float | None = None,
     size: tuple[int, int | None] = (960, None),
-    progress: Callable[[str], None] = lambda line: None,
+    progress: Progress = unheard,
 ) -> bytes:
     """A movie of runs side by side as a file of `kind`, one of `FORMATS`.
 
@@ -72,9 +73,7 @@ def frame_times(begin: float, end: float, fps: float, speed: float) -> FloatArra
     return np.append(moving, np.full(round(_HOLD * fps), end))
 
 
-def _reported(
-    frames: Frames, count: int, progress: Callable[[str], None]
-) -> Iterator[NDArray[np.uint8]]:
+def _reported(frames: Frames, count: int, progress: Progress) -> Iterator[NDArray[np.uint8]]:
     for number, frame in enumerate(frames, start=1):
         progress(f"frame {number} of {count}")
         yield frame

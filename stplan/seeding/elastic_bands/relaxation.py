@@ -9,11 +9,12 @@ There is no search and there are no priorities. Single-lane deadlocks are beyond
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray
+from stplan.callbacks import Stop
 from stplan.deadline import passed
 from stplan.problem.clearance import wall_clearance
 from stplan.problem.planning_problem import PlanningProblem
@@ -73,7 +74,7 @@ def relax(
     num_knots: int = RELAXATION_KNOTS,
     rng_seed: int = 0,
     max_sweeps: int = MOST_SWEEPS,
-    stopped: Callable[[], bool] = passed,
+    stopped: Stop = passed,
 ) -> SeedAttempt:
     """Push rods apart until they hold what is `required`, until the sweeps are used up, or until `stopped`.
 

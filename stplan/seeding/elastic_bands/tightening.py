@@ -6,9 +6,10 @@ clear and costs less.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from stplan.arrays import FloatArray
+from stplan.callbacks import Stop
 from stplan.deadline import passed
 from stplan.problem.kinetic_cost import total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
@@ -26,7 +27,7 @@ def tighten(
     required: Requirement,
     *,
     rng_seed: int = 0,
-    stopped: Callable[[], bool] = passed,
+    stopped: Stop = passed,
 ) -> list[FloatArray]:
     """Clear curves at most as dear as the shortened `curves`; once `stopped`, as far as they have come.
 

@@ -9,7 +9,7 @@ The steps share all the time there is, and stretching never lowers a rod distanc
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.callbacks import Stop
 from stplan.compiled import inlined, kernel
 from stplan.deadline import passed
 from stplan.geometry.growable import with_room
@@ -57,7 +58,7 @@ def plan_jointly(
     planner: LayeredPlanner,
     group: Sequence[int],
     rng: np.random.Generator,
-    stopped: Callable[[], bool],
+    stopped: Stop,
 ) -> Joint:
     """Curves of all agents, the `group` (2 or 3) planned first and jointly."""
     for widening in WIDENINGS:

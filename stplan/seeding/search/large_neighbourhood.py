@@ -9,11 +9,12 @@ also when a few more do.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.callbacks import Stop, never
 from stplan.deadline import heed
 from stplan.seeding.search.conflicts import CurveSet
 from stplan.seeding.search.layered_dijkstra import space_time_length
@@ -34,7 +35,7 @@ ACCEPT_WORSE = 0.04
 def first_curves(
     planner: LayeredPlanner,
     rng: np.random.Generator,
-    stopped: Callable[[], bool] = lambda: False,
+    stopped: Stop = never,
 ) -> list[FloatArray] | None:
     """Curves planned in random order, each free if it can be, else touching as few as it can.
 
@@ -69,7 +70,7 @@ def replan_neighbourhoods(
     curves: Sequence[FloatArray],
     rng: np.random.Generator,
     max_iterations: int,
-    stopped: Callable[[], bool],
+    stopped: Stop,
 ) -> SeedAttempt:
     """Replan neighbourhoods of `curves` until no pair touches, or a limit is hit."""
     planner.reset()
@@ -125,7 +126,7 @@ def _replan(
     state: CurveSet,
     chosen: list[int],
     rng: np.random.Generator,
-    stopped: Callable[[], bool],
+    stopped: Stop,
 ) -> None:
     """Give the `chosen` agents other curves, one after another in random order, unless `stopped`."""
     old = {agent: state.curves[agent] for agent in chosen}

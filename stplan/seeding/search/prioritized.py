@@ -7,11 +7,12 @@ first in the next order, until everyone has been first; then orders are random.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
+from stplan.callbacks import Stop, never
 from stplan.seeding.search.planner import LayeredPlanner
 from stplan.seeding.seeder import SeedAttempt
 
@@ -26,7 +27,7 @@ def plan_in_order(
     order: Sequence[int],
     holds: IntArray,
     guard_layers: int = GUARD_LAYERS,
-    stopped: Callable[[], bool] = lambda: False,
+    stopped: Stop = never,
 ) -> tuple[list[FloatArray] | None, int]:
     """Curves of all agents planned in `order` and -1, or None and the agent that found no way.
 
@@ -67,7 +68,7 @@ def plan_prioritized(
     planner: LayeredPlanner,
     rng: np.random.Generator,
     max_tries: int,
-    stopped: Callable[[], bool],
+    stopped: Stop,
 ) -> SeedAttempt:
     """Try up to `max_tries` orders, longest ways first, then bumped, random and held ones."""
     movers = planner.movers

@@ -9,12 +9,12 @@ order solves.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.callbacks import Stop
 from stplan.seeding.search.conflicts import CurveSet
 from stplan.seeding.search.planner import LayeredPlanner
 from stplan.seeding.search.prioritized import random_holds
@@ -36,7 +36,7 @@ def plan_priority_based(
     rng: np.random.Generator,
     max_restarts: int,
     max_nodes: int,
-    stopped: Callable[[], bool],
+    stopped: Stop,
 ) -> SeedAttempt:
     """Search up to `max_restarts` trees of up to `max_nodes` nodes each."""
     nodes = 0
@@ -54,7 +54,7 @@ def plan_priority_based(
 
 
 def _search_tree(
-    planner: LayeredPlanner, holds: IntArray, max_nodes: int, stopped: Callable[[], bool]
+    planner: LayeredPlanner, holds: IntArray, max_nodes: int, stopped: Stop
 ) -> tuple[list[FloatArray] | None, int]:
     """Curves or None, and the nodes expanded."""
     root = _root(planner, holds)

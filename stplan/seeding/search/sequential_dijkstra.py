@@ -10,7 +10,6 @@ when everybody has been first, orders are random; then layers are added.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
@@ -18,6 +17,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
+from stplan.callbacks import Stop
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement, requirement
 from stplan.problem.verification import verify
@@ -110,7 +110,7 @@ class SequentialDijkstra:
 
 
 def _in_orders(
-    planner: LayeredPlanner, rng: np.random.Generator, stopped: Callable[[], bool]
+    planner: LayeredPlanner, rng: np.random.Generator, stopped: Stop
 ) -> tuple[list[FloatArray] | None, int, IntArray]:
     """Curves or None, orders tried, and (A,) how often each agent found no way."""
     failures = np.zeros(planner.problem.num_agents, dtype=np.int64)
@@ -136,7 +136,7 @@ def _in_orders(
 
 
 def _sequential(
-    planner: LayeredPlanner, order: list[int], cost: FloatArray, stopped: Callable[[], bool]
+    planner: LayeredPlanner, order: list[int], cost: FloatArray, stopped: Stop
 ) -> tuple[list[FloatArray] | None, int]:
     """Curves of all agents planned in `order` and -1, or None and the agent without a way."""
     planner.reset()

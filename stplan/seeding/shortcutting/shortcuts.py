@@ -7,11 +7,12 @@ the curves get knots of even durations: very uneven ones would stall the optimis
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.callbacks import Stop
 from stplan.deadline import passed
 from stplan.problem.kinetic_cost import total_kinetic_cost
 from stplan.problem.planning_problem import LEAST_AUTO_KNOTS, PlanningProblem
@@ -46,7 +47,7 @@ def prepare_seed(
     *,
     num_knots: int | None = None,
     rng_seed: int = 0,
-    stopped: Callable[[], bool] = passed,
+    stopped: Stop = passed,
 ) -> list[FloatArray]:
     """`curves` shortened and retimed, with `num_knots` knots an agent (None follows the bends).
 
@@ -75,7 +76,7 @@ def take_shortcuts(
     *,
     rng_seed: int = 0,
     rounds: int = MOST_ROUNDS,
-    stopped: Callable[[], bool] = passed,
+    stopped: Stop = passed,
 ) -> list[FloatArray]:
     """Cheaper curves than the clear `curves`, with few knots and as clear as is `required`.
 
@@ -162,7 +163,7 @@ def retime(
     required: Requirement,
     num_knots: int | None = None,
     *,
-    stopped: Callable[[], bool] = passed,
+    stopped: Stop = passed,
 ) -> list[FloatArray]:
     """Clear curves with exactly `num_knots` knots of about equal durations, as clear as is `required`.
 
