@@ -20,9 +20,9 @@ from stplan.certify.pair_clearance import nearest_moments
 from stplan.compiled import working_time
 from stplan.drafts import competing, tight_seeds
 from stplan.errors import SeedingError
-from stplan.problem.arrivals import hurried
+from stplan.problem.arrivals import sooner_horizon
 from stplan.problem.launches import Launches
-from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.planning_problem import PlanningProblem, within
 from stplan.problem.world_lines import WorldLines
 from stplan.reasons import Reason
 from stplan.scene.model import Scene
@@ -62,10 +62,12 @@ class Contest:
     """Seeds of different classes, the cheapest first, and how many of them are worth optimising.
 
     The others are spares: what a scene asks of speeds and times may be out of reach in a cheaper class.
+    `horizon` is the earlier one within which all were found, s; None where it is the scene's.
     """
 
     seeds: tuple[Seed, ...]
     finalists: int
+    horizon: float | None = None
 
 
 def best_seeds(problem: PlanningProblem, *, progress: Progress) -> Contest:
@@ -107,15 +109,14 @@ def _of_whole(launches: Launches, reason: Reason) -> Reason:
 
 def _contest(problem: PlanningProblem, progress: Progress) -> Contest:
     """Seeds within an earlier horizon where there is one and it leads to any, else within the scene's."""
-    sooner = hurried(problem.scene)
+    sooner = sooner_horizon(problem.scene)
     limit, began = problem.scene.seeding.time_limit, working_time()
     budget = Budget(problem.scene.seeding.rng_seed, began + limit, progress)
     if sooner is None:
         return _best_seeds(problem, budget, budget.deadline)
-    early = np.array([agent.max_time for agent in sooner.agents])
     try:
-        hasty = replace(problem, scene=sooner, max_times=early)
-        return _best_seeds(hasty, budget, began + HASTE * limit)
+        contest = _best_seeds(within(problem, sooner), budget, began + HASTE * limit)
+        return replace(contest, horizon=sooner)
     except SeedingError:
         return _best_seeds(problem, budget, budget.deadline)
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from stplan.certify.certificate import Certificate
@@ -11,8 +12,10 @@ from stplan.files.json_file import json_bytes
 from stplan.files.manifest import KEY, manifest
 from stplan.files.recorded import REPORT, RUN_RECORD
 from stplan.files.trajectories import curve_files
+from stplan.multistart import own_cost
+from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
-from stplan.report import Report, RunRecord
+from stplan.report import Report, RivalReport, RunRecord
 from stplan.scene.model import Scene
 from stplan.status import Status
 
@@ -71,3 +74,29 @@ def plan_files(result: Plan) -> dict[str, bytes]:
         curves["trajectories"] = result.trajectories
     contents = curve_files(result.scene, curves) | {REPORT: json_bytes(result.report.as_dict())}
     return contents | {RUN_RECORD: json_bytes(result.run.as_dict() | {KEY: manifest(contents)})}
+
+
+def cheapest(plans: Sequence[Plan]) -> Plan:
+    """The plan that costs its agents least, with a record of all that were made."""
+    costs = [own_cost(plan.scene, plan.trajectories or plan.seed) for plan in plans]
+    best = plans[min(range(len(plans)), key=costs.__getitem__)]
+    if len(plans) == 1:
+        return best
+    rivals = tuple(
+        RivalReport(
+            plan.report.seed.found_by,
+            plan.report.seed.record["start"],
+            own_cost(plan.scene, plan.seed),
+            cost,
+            plan.status,
+        )
+        for plan, cost in zip(plans, costs, strict=True)
+    )
+    return replace(best, report=replace(best.report, rivals=rivals))
+
+
+def notes_of(problem: PlanningProblem) -> tuple[str, ...]:
+    """What the user has to know about the map of `problem`, by key."""
+    free_space = problem.written.free_space
+    notes = () if free_space is None else free_space.notes
+    return tuple(f"{note.path}: {note.sentence}" for note in notes)

@@ -20,7 +20,7 @@ from stplan.clock import Clock
 from stplan.compiled import compiled_before
 from stplan.errors import BrokenSeedError, SeedingError, StoppedError, UsageError
 from stplan.geometry.rod_distances import segment_distances
-from stplan.hastening import hasten, with_ample_horizon
+from stplan.hastening import arrivals_of, hasten, with_ample_horizon
 from stplan.improvement.budget import ImprovementBudget
 from stplan.multistart import best_seeds, own_cost
 from stplan.nlp.ipopt.adapter import require_options
@@ -28,18 +28,17 @@ from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
 from stplan.optimize.continuation import LiveLine, Optimisation
 from stplan.optimize.restoration import restore
 from stplan.optimize.whole import optimise_whole
-from stplan.planned import Plan, plan_files, write_plan
+from stplan.planned import Plan, cheapest, notes_of, plan_files, write_plan
 from stplan.problem import planning_problem
 from stplan.problem.ends import ending_as, fixed_at, lasting_as
 from stplan.problem.metric import sharpened, with_metric
-from stplan.problem.planning_problem import PlanningProblem, at_horizon
+from stplan.problem.planning_problem import PlanningProblem, at_horizon, within
 from stplan.problem.world_lines import WorldLines
 from stplan.problem.worlds import space_of
 from stplan.report import (
     OptimisationReport,
     OptimisationTimes,
     Report,
-    RivalReport,
     RunRecord,
     SeedReport,
 )
@@ -65,6 +64,8 @@ __all__ = [
 
 # Horizons that are open become so many times as long where nothing is found within them.
 MORE_TIME = (3.0,)
+# Who arrives within an earlier horizon than the scene's has this part of its trip to spare.
+SPARE_TIME = 0.05
 
 
 @dataclass(frozen=True)
@@ -75,11 +76,13 @@ class InitialCurves:
         seed: its world lines are the restored ones, in the frame of the problem.
         world_lines: the same as the user's.
         certificate: of them; it holds.
+        problem: what they were found for, maybe with an earlier horizon than the scene's.
     """
 
     seed: Seed
     world_lines: WorldLines
     certificate: Certificate
+    problem: PlanningProblem
 
 
 def plan(
@@ -123,16 +126,11 @@ def plan(
             plans += [] if other is None else [other]
             continue
         with clock.stage("optimise"):
-            lines = initial.seed.world_lines
-            sharp = sharpened(problem, lines)
-            if scene.minimise == "energy":
-                optimised = optimise_whole(
-                    sharp, lines, progress=progress, live=live, stop=stop, num_workers=num_workers
-                )
-            else:
-                optimised = hasten(sharp, lines, progress=progress, live=live, stop=stop)
+            sharp, optimised = _optimised(
+                problem, initial, progress=progress, live=live, stop=stop, num_workers=num_workers
+            )
         plans.append(_planned(sharp, initial, optimised, clock))
-    best = _cheapest(plans)
+    best = cheapest(plans)
     with clock.stage("bound"):
         lines = best.trajectories or best.seed
         if scene.minimise == "energy":
@@ -205,7 +203,7 @@ def seed(scene: Scene, *, progress: Progress | None = None, stop: Stop | None = 
     (initial,) = find_initial_curves(problem, progress=progress, stop=stop, clock=clock)
     found = SeedReport.of(initial.seed, initial.world_lines, initial.certificate, scene)
     content = Report(
-        scene, Status.SEEDED, initial.certificate, found.metrics, found, notes=_notes_of(problem)
+        scene, Status.SEEDED, initial.certificate, found.metrics, found, notes=notes_of(problem)
     )
     return Plan(initial.world_lines, None, content, RunRecord.of(clock))
 
@@ -254,13 +252,6 @@ def _say_notes(scene: Scene, free_space: FreeSpace | None, progress: Progress) -
             progress(line)
 
 
-def _notes_of(problem: PlanningProblem) -> tuple[str, ...]:
-    """What the user has to know about the map of `problem`, by key."""
-    free_space = problem.written.free_space
-    notes = () if free_space is None else free_space.notes
-    return tuple(f"{note.path}: {note.sentence}" for note in notes)
-
-
 def find_initial_curves(
     problem: PlanningProblem,
     *,
@@ -283,22 +274,26 @@ def find_initial_curves(
         if not compiled_before(segment_distances):
             progress("compiling, once after installation: this takes about a quarter of a minute")
         contest = best_seeds(problem, progress=progress)
+    earlier = [] if contest.horizon is None else [within(problem, contest.horizon)]
     found: list[InitialCurves] = []
     violations: tuple[str, ...] = ()
     for seed in contest.seeds:
         if len(found) == (most or contest.finalists) or (found and stop()):
             break
-        with clock.stage("seed"):
-            lines = restore(
-                problem, seed.world_lines, seed.rendezvous, progress=progress, stop=stop
-            )
-            if lines is not seed.world_lines and not found and stop():
-                raise StoppedError
-        with clock.stage("certify"):
-            outside = written.outside(lines)
-            certificate = certify(written.scene, written.free_space, outside)
-        if certificate.holds:
-            found.append(InitialCurves(replace(seed, world_lines=lines), outside, certificate))
+        for given in (*earlier, problem):
+            with clock.stage("seed"):
+                lines = restore(
+                    given, seed.world_lines, seed.rendezvous, progress=progress, stop=stop
+                )
+                if lines is not seed.world_lines and not found and stop():
+                    raise StoppedError
+            with clock.stage("certify"):
+                outside = written.outside(lines)
+                certificate = certify(written.scene, written.free_space, outside)
+            if certificate.holds:
+                restored = replace(seed, world_lines=lines)
+                found.append(InitialCurves(restored, outside, certificate, given))
+                break
         violations = violations or certificate.violations
     if not found:
         raise BrokenSeedError(violations)
@@ -320,6 +315,35 @@ def _begun(
     return problem, curves
 
 
+def _optimised(
+    problem: PlanningProblem,
+    initial: InitialCurves,
+    *,
+    progress: Progress,
+    live: LiveLine | None,
+    stop: Stop,
+    num_workers: int,
+) -> tuple[PlanningProblem, Optimisation]:
+    """The optimised curves, and the problem in the metric they were optimised in.
+
+    An earlier horizon than the scene's is given up where somebody has a use for more time after all.
+    """
+    lines = initial.seed.world_lines
+    if problem.scene.minimise != "energy":
+        sharp = sharpened(problem, lines)
+        return sharp, hasten(sharp, lines, progress=progress, live=live, stop=stop)
+    for given in (initial.problem, problem):
+        sharp = sharpened(given, lines)
+        optimised = optimise_whole(
+            sharp, lines, progress=progress, live=live, stop=stop, num_workers=num_workers
+        )
+        latest = arrivals_of(optimised.world_lines)
+        spare = given.max_times - latest > SPARE_TIME * (latest - given.start_times)
+        if given is problem or spare[~given.prescribed].all():
+            break
+    return sharp, optimised
+
+
 def _rival(
     problem: PlanningProblem,
     initial: InitialCurves,
@@ -331,7 +355,7 @@ def _rival(
     """The plan from another seed, None where a few iterations tell that it is dearer than the best."""
     from stplan.improvement.trials import Trials
 
-    problem = sharpened(problem, initial.seed.world_lines)
+    problem = sharpened(initial.problem, initial.seed.world_lines)
     trials = Trials(problem, stop)
     best = min(own_cost(plan.scene, plan.trajectories or plan.seed) for plan in plans)
     with clock.stage("optimise"):
@@ -339,25 +363,6 @@ def _rival(
         optimised = None if short is None else trials.fully(short)
     planned = None if optimised is None else _planned(problem, initial, optimised, clock)
     return None if planned is None or planned.status is Status.BROKEN else planned
-
-
-def _cheapest(plans: Sequence[Plan]) -> Plan:
-    """The plan that costs its agents least, with a record of all that were made."""
-    costs = [own_cost(plan.scene, plan.trajectories or plan.seed) for plan in plans]
-    best = plans[min(range(len(plans)), key=costs.__getitem__)]
-    if len(plans) == 1:
-        return best
-    rivals = tuple(
-        RivalReport(
-            plan.report.seed.found_by,
-            plan.report.seed.record["start"],
-            own_cost(plan.scene, plan.seed),
-            cost,
-            plan.status,
-        )
-        for plan, cost in zip(plans, costs, strict=True)
-    )
-    return replace(best, report=replace(best.report, rivals=rivals))
 
 
 def _planned(
@@ -377,6 +382,6 @@ def _planned(
     found = SeedReport.of(initial.seed, initial.world_lines, initial.certificate, scene)
     made = OptimisationReport.of(scene, optimised)
     figures = metrics(ending_as(scene, lines), lines)
-    content = Report(scene, status, certificate, figures, found, made, notes=_notes_of(problem))
+    content = Report(scene, status, certificate, figures, found, made, notes=notes_of(problem))
     run = RunRecord.of(clock, OptimisationTimes.of(optimised, clock.seconds["optimise"]))
     return Plan(initial.world_lines, lines, content, run)

@@ -120,6 +120,11 @@ class MotionLimit(Term):
         self._num_knots = num_knots
         self._weights = np.ones(len(limits)) if weights is None else weights
 
+    @property
+    def stencils(self) -> IntArray:
+        """(N, K) knots that each vector depends on."""
+        return self._stencils
+
     @abstractmethod
     def vectors(self, local: FloatArray) -> Vectors:
         """The vectors at `local` (N, K, 3), the knots of every stencil."""
@@ -185,24 +190,25 @@ class MotionLimit(Term):
 
     def hessian(self, knots: FloatArray) -> FloatArray:
         """Exact second derivatives in the order of the structure."""
-        return self._second(knots, exact=True)
+        return self._second(knots, exact=True, convex=False)
 
     def gauss_newton_structure(self) -> Structure:
         """That of the Hessian."""
         return self.hessian_structure()
 
     def gauss_newton_hessian(self, knots: FloatArray) -> FloatArray:
-        """Of barriers the exact one, indefinite as it is; of penalties the positive semidefinite part.
+        """A positive semidefinite one: of barriers the convex part of the exact one, see `convex_part`.
 
-        Without the curvature of the vectors steps along a limit are far longer than the Hessian holds true.
+        Without the curvature of the vectors steps along a limit are far longer than the Hessian holds true;
+        with all of it the solver has to regularise everything else for it, and creeps.
         """
-        return self._second(knots, exact=isinstance(self._profile, LimitBarrier))
+        return self._second(knots, exact=isinstance(self._profile, LimitBarrier), convex=True)
 
     def _pairs(self) -> list[tuple[int, int]]:
         count = self._stencils.shape[1]
         return [(i, j) for i in range(count) for j in range(i + 1)]
 
-    def _second(self, knots: FloatArray, exact: bool) -> FloatArray:
+    def _second(self, knots: FloatArray, *, exact: bool, convex: bool) -> FloatArray:
         vectors = self._vectors(knots)
         scale = 2.0 / self._limits**2
         _, slope, curvature = self._profiled((vectors.value**2).sum(axis=1) / self._limits**2)
@@ -212,6 +218,9 @@ class MotionLimit(Term):
             bent += np.einsum("nk,nkvw->nvw", vectors.value, vectors.second)
         whole = (slope * scale)[:, None, None] * bent
         whole += curvature[:, None, None] * by_f[:, :, None] * by_f[:, None, :]
+        if exact and convex:
+            felt = np.flatnonzero(slope > 0.0)
+            whole[felt] = convex_part(whole[felt])
         return np.concatenate(
             [
                 pack_blocks(whole[:, 3 * i : 3 * i + 3, 3 * j : 3 * j + 3], diagonal=i == j)
@@ -227,6 +236,13 @@ def _barriers(squared: FloatArray, weights: FloatArray, reach: float, result: Fl
         result[0, k] = weights[k] * value
         result[1, k] = -weights[k] * first
         result[2, k] = weights[k] * second
+
+
+def convex_part(blocks: FloatArray) -> FloatArray:
+    """Symmetric `blocks` (N, V, V) without their negative eigenvalues."""
+    values, vectors = np.linalg.eigh(blocks)
+    part: FloatArray = (vectors * np.maximum(values, 0.0)[:, None, :]) @ vectors.swapaxes(1, 2)
+    return part
 
 
 def by_knots(first: FloatArray, second: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -23,6 +23,7 @@ from stplan.nlp.step_control import StepControl
 from stplan.nlp.term import Capability
 from stplan.optimize.assembly import assemble, formulate, sharpness_of
 from stplan.optimize.constraints import build_constraints
+from stplan.optimize.slowing import slowed
 from stplan.optimize.timed_constraints import visit_knots
 from stplan.problem.layout import KnotLayout
 from stplan.problem.planning_problem import PlanningProblem
@@ -73,11 +74,15 @@ def restore(
         return seed
     lines = _with_dwells(problem, _with_prescribed_knots(problem, seed))
     rounds = _Rounds(formulate(problem, lines, planned), lines.knots, stop)
+    rounds.slow_down()
     for number, weight in enumerate(WEIGHTS, start=1):
         if rounds.is_content(rounds.knots) or stop():
             break
         progress(f"restoring speeds and times, round {number}: {rounds.state()}")
         rounds.run(weight)
+    for alike in (False, True):
+        if not rounds.is_content(rounds.knots):
+            rounds.slow_down(alike)
     lines = lines.with_knots(rounds.knots)
     if not rounds.is_content(rounds.knots):
         return lines
@@ -126,6 +131,20 @@ class _Rounds:
         )
         self.knots = solution.knots
         self._sharpness = sharpness_of(control.terms)
+
+    def slow_down(self, alike: bool = False) -> None:
+        """Take more time where limits of motion are exceeded, if everybody stays clear then."""
+        formulation = self.formulation
+        setup = TermSetup(formulation, self.knots, 1.0)
+        clearances = build_terms(setup, Capability.CLEARANCE)
+
+        def clear(knots: FloatArray) -> bool:
+            return all(np.isfinite(term.renewed(knots).value(knots)) for term in clearances)
+
+        found = slowed(
+            formulation.problem, formulation.layout, self.knots, self._limits, clear, alike=alike
+        )
+        self.knots = self.knots if found is None else found
 
     def _penalties(self, weight: float) -> Penalties:
         """A time that is off by a mean duration weighs like a limit exceeded by its whole."""

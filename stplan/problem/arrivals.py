@@ -7,8 +7,6 @@ motion and K^T (t_0 + T - T^p)^2 / 2 for its arrival: a convex function of T, wh
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from stplan.scene.horizon import least_duration
@@ -19,7 +17,7 @@ SPARE = 1.02
 # Shortest duration over the time there is: nobody arrives at once.
 LEAST_SHARE = 1e-3
 HALVINGS = 60
-# Seeds of agents who would like to arrive early are looked for within so many times the longest of their
+# Plans of agents who would like to arrive early are looked for within so many times the longest of their
 # free durations first.
 HURRIED = 3.0
 
@@ -46,8 +44,8 @@ def free_arrival(agent: Agent) -> float:
     return agent.start_time + min(max(best, least), whole)
 
 
-def hurried(scene: Scene) -> Scene | None:
-    """`scene` with an earlier horizon, where nobody has a use for its own; None where somebody has.
+def sooner_horizon(scene: Scene) -> float | None:
+    """An earlier horizon (s) for `scene`, where nobody has a use for its own; None where somebody has.
 
     What is planned then depends on how long agents need, and not on how much later they might arrive.
     """
@@ -59,9 +57,4 @@ def hurried(scene: Scene) -> Scene | None:
     longest = max(free_arrival(agent) - agent.start_time for agent in movers)
     last = max(agent.start_time for agent in movers) + HURRIED * longest
     last = max([last, *(agent.path[-1][2] for agent in scene.agents if agent.path)])
-    if last >= min(agent.max_time for agent in movers):
-        return None
-    agents = tuple(
-        agent if agent.path is not None else replace(agent, max_time=last) for agent in scene.agents
-    )
-    return replace(scene, horizon=last, agents=agents)
+    return last if last < min(agent.max_time for agent in movers) else None

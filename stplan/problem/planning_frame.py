@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stplan.arrays import FloatArray
+from stplan.problem.arrivals import free_arrival
 from stplan.scene.model import Agent, Scene
 
 if TYPE_CHECKING:
@@ -68,7 +69,8 @@ class PlanningFrame:
         """The frame that `scene` is planned in."""
         stops = [_stops(agent) for agent in scene.agents]
         ways = np.array([float(np.hypot(*np.diff(own, axis=0).T).sum()) for own in stops])
-        spans = np.array([agent.max_time - agent.start_time for agent in scene.agents])
+        # How long agents would like to take: a horizon that nobody has a use for changes nothing.
+        spans = np.array([free_arrival(agent) - agent.start_time for agent in scene.agents])
         trip = stops[int(np.flatnonzero(ways >= (1.0 - EQUAL) * ways.max())[0])]
         aside = _difference(trip, trip[0])
         furthest = aside[int(np.hypot(*aside.T).argmax())]

@@ -212,6 +212,19 @@ def at_horizon(problem: PlanningProblem, horizon: float) -> PlanningProblem:
     )
 
 
+def within(problem: PlanningProblem, horizon: float) -> PlanningProblem:
+    """`problem`, to be planned within an earlier `horizon` of its frame; what is written stays."""
+    agents = tuple(
+        agent if agent.path is not None else replace(agent, max_time=min(agent.max_time, horizon))
+        for agent in problem.scene.agents
+    )
+    return replace(
+        problem,
+        scene=replace(problem.scene, horizon=horizon, agents=agents),
+        max_times=np.array([agent.max_time for agent in agents], dtype=np.float64),
+    )
+
+
 def _fitted(scene: Scene) -> FreeSpace | None:
     """The free space, into which the agents fit; None in the open plane."""
     planned = scene.solver.knots or LEAST_AUTO_KNOTS

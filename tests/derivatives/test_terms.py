@@ -75,6 +75,20 @@ def test_the_gauss_newton_hessian_is_convex_or_the_exact_one(name: str, variant:
         assert np.array_equal(stand_in, exact)
 
 
+@pytest.mark.parametrize(
+    ("name", "variant"), [case for case in CASES if "LimitBarrier" in str(case.values[1])]
+)
+def test_limits_are_replaced_by_their_convex_part(name: str, variant: str) -> None:
+    term, knots = sample(name, variant), sample_knots()
+    exact = dense(term.hessian_structure(), term.hessian(knots), knots.size)
+    convex = dense(term.gauss_newton_structure(), term.gauss_newton_hessian(knots), knots.size)
+    greatest = np.linalg.eigvalsh(convex)[-1]
+    # Distances of those who meet bend the other way.
+    assert name == "meeting" or np.linalg.eigvalsh(exact)[0] < -1e-3 * greatest
+    assert np.linalg.eigvalsh(convex)[0] > -1e-12 * greatest
+    assert np.linalg.eigvalsh(convex - exact)[0] > -1e-12 * greatest
+
+
 @each
 def test_samples_lie_on_both_sides_of_every_switch(name: str, variant: str) -> None:
     term, knots = sample(name, variant), sample_knots()

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stplan.problem.arrivals import free_arrival, hurried
+from stplan.problem.arrivals import free_arrival, sooner_horizon
 from stplan.scene import parse_scene
 from stplan.scene.horizon import least_duration
 from stplan.scene.model import Agent, Scene
@@ -52,11 +52,10 @@ def test_no_limit_is_broken_by_it() -> None:
 
 
 def test_a_horizon_nobody_needs_is_not_searched() -> None:
-    sooner = hurried(scene())
+    sooner = sooner_horizon(scene())
     assert sooner is not None
-    assert free_arrival(sam()) < sooner.horizon < 90.0
-    assert hurried(sooner) is None
-    later = hurried(replace(scene(max_time=400.0), horizon=400.0))
-    assert later is not None
-    assert later.horizon == pytest.approx(sooner.horizon)
-    assert hurried(scene(weights=replace(sam().weights, arrival=0.0))) is None
+    assert free_arrival(sam()) < sooner < 90.0
+    assert sooner_horizon(replace(scene(max_time=sooner), horizon=sooner)) is None
+    later = sooner_horizon(replace(scene(max_time=400.0), horizon=400.0))
+    assert later == pytest.approx(sooner)
+    assert sooner_horizon(scene(weights=replace(sam().weights, arrival=0.0))) is None

@@ -50,6 +50,18 @@ def test_who_stands_still_has_a_frame_too() -> None:
     assert frame.time == pytest.approx(8.0)
 
 
+def test_a_horizon_that_nobody_has_a_use_for_changes_nothing() -> None:
+    hurried = """
+stplan: 1
+horizon: HORIZON
+defaults: {max_speed: 1, max_acceleration: 0.8, preferred_time: 0.1, weights: {arrival: 10}}
+agents:
+  - {id: a, start: [1, 2], goal: [19, 2]}
+  - {id: b, start: [19, 8], goal: [1, 8]}
+"""
+    assert frame_of(hurried.replace("HORIZON", "60")) == frame_of(hurried.replace("HORIZON", "240"))
+
+
 @pytest.mark.parametrize(
     ("ring", "turned"),
     [
