@@ -170,7 +170,8 @@ def _ends(entry: PatternFile) -> tuple[list[list[float]], list[list[float]]]:
         )
     if isinstance(entry, LinePatternFile):
         return _along(entry.start, entry.count), _along(entry.goal, entry.count)
-    assert isinstance(entry, GridPatternFile)
+    if not isinstance(entry, GridPatternFile):
+        raise TypeError(f"{type(entry).__name__} is no pattern with ends of its own")
     places = [
         (column * entry.spacing[0], row * entry.spacing[1])
         for row in range(entry.rows)
