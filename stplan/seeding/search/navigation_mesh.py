@@ -24,6 +24,8 @@ AT_END = 1e-13
 PARTS = 1e12
 # Roots whose distance differs by no more than this share are as good as each other.
 SAME = 1e-12
+# What stands for the corner of the start, and of the root before a corner that no path has reached.
+AT_START, UNREACHED = -1, -2
 
 
 class NavigationMesh(NamedTuple):
@@ -98,7 +100,7 @@ class _Roots(NamedTuple):
 
     Attributes:
         points: (R, 3) x, y, distance from the start.
-        before: (R, 2) root before, and corner (-1: the start).
+        before: (R, 2) root before, and corner (AT_START: the start).
     """
 
     points: FloatArray
@@ -116,12 +118,12 @@ def shortest_path(
         direct[0], direct[1] = start, goal
         return direct
     scale = _scale(corners)
-    best = np.full(len(corners), np.inf)
+    best, parent = np.full(len(corners), np.inf), np.full(len(corners), UNREACHED)
     nodes = _Nodes(np.empty((256, 4)), np.empty((256, 5), np.int64))
     roots = _Roots(np.empty((64, 3)), np.empty((64, 2), np.int64))
     heap = np.empty((256, 3), np.int64)
     roots.points[0, 0], roots.points[0, 1], roots.points[0, 2] = start[0], start[1], 0.0
-    roots.before[0] = -1
+    roots.before[0] = AT_START
     counts = np.array([0, 1, 0])
     found = np.empty((4, 8))
     made = 0
@@ -138,7 +140,9 @@ def shortest_path(
             with_room(roots.points, counts[1] + 2), with_room(roots.before, counts[1] + 2)
         )
         heap = with_room(heap, counts[2] + made)
-        _enter(found, made, root, triangle, mesh, goal, nodes, roots, heap, counts, best, scale)
+        _enter(
+            found, made, root, triangle, mesh, goal, nodes, roots, heap, counts, best, parent, scale
+        )
         while True:
             if counts[2] == 0:
                 return np.empty((0, 2))
@@ -262,7 +266,8 @@ def _expand(
 @inner
 def _enter(
     found: FloatArray, made: int, root: int, triangle: int, mesh: NavigationMesh, goal: FloatArray,
-    nodes: _Nodes, roots: _Roots, heap: IntArray, counts: IntArray, best: FloatArray, scale: float,
+    nodes: _Nodes, roots: _Roots, heap: IntArray, counts: IntArray, best: FloatArray,
+    parent: IntArray, scale: float,
 ) -> None:  # fmt: skip
     """Make nodes of the `found` successors that lead anywhere; counts of nodes, roots, heap entries."""
     corner, turned = -1, -1
@@ -277,7 +282,7 @@ def _enter(
             # A node turns at no more than one corner.
             if corner < 0:
                 corner = int(row[7])
-                turned = _turn(corner, root, mesh, roots, counts, best)
+                turned = _turn(corner, root, mesh, roots, counts, best, parent)
             own = turned
             if own < 0:
                 continue
@@ -296,14 +301,22 @@ def _enter(
 
 @inner
 def _turn(
-    corner: int, root: int, mesh: NavigationMesh, roots: _Roots, counts: IntArray, best: FloatArray
-) -> int:
-    """The root at the `corner` round which the path turns, -1 where another way there is shorter."""
+    corner: int, root: int, mesh: NavigationMesh, roots: _Roots, counts: IntArray,
+    best: FloatArray, parent: IntArray,
+) -> int:  # fmt: skip
+    """The root at the `corner` round which the path turns, -1 where another way there is no longer.
+
+    Of ways of the same length one is enough: where one goes on along a shortest path, the other would make
+    it as short, so that it goes on there, too. Among the blocks of a grid there would be more of them than
+    can be counted. Nodes that share a root may turn at a corner each, around different triangles.
+    """
     x, y = mesh.corners[corner, 0], mesh.corners[corner, 1]
     length = roots.points[root, 2] + np.hypot(x - roots.points[root, 0], y - roots.points[root, 1])
-    if length > best[corner] * (1.0 + SAME):
+    before = roots.before[root, 1]
+    if length < best[corner] * (1.0 - SAME):
+        best[corner], parent[corner] = length, before
+    elif parent[corner] != before or length > best[corner] * (1.0 + SAME):
         return -1
-    best[corner] = min(best[corner], length)
     number = counts[1]
     roots.points[number, 0], roots.points[number, 1], roots.points[number, 2] = x, y, length
     roots.before[number, 0], roots.before[number, 1] = root, corner

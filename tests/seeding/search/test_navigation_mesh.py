@@ -62,3 +62,18 @@ def test_parts_without_a_way_between_them_have_none() -> None:
 
 def test_an_empty_area_has_no_triangles() -> None:
     assert len(triangulated(shapely.Polygon()).triangles) == 0
+
+
+def test_where_many_ways_are_as_short_one_of_them_is_found() -> None:
+    # Between the corners of a city of square blocks there are as many shortest ways as staircases.
+    blocks = [
+        shapely.box(4 * i + 1, 4 * j + 1, 4 * i + 4, 4 * j + 4) for i in range(4) for j in range(4)
+    ]
+    area = shapely.difference(shapely.box(0, 0, 17, 17), shapely.union_all(blocks))
+    mesh = triangulated(area)
+    for goal in ([16.5, 16.5], [16.5, 8.5], [8.5, 12.5]):
+        start, end = np.array([0.5, 0.5]), np.array(goal)
+        found = path(mesh, start, end)
+        assert shapely.LineString(found).length == pytest.approx(
+            visibility_length(area, start, end), rel=1e-9
+        )
