@@ -66,6 +66,8 @@ def draft_of_files(
         free_space, notes = free_space_of(tree, folder)
         read.notes += [f"{read.map_file.name} {note}" for note in notes]
     agents = people(read, free_space, crowd)
+    if not agents and read.map_file is None:
+        raise UsageError(f"{paths[0]}: holds no map to place agents on; name the map's file, too")
     if not agents:
         raise UsageError(f"{paths[0]}: carries no agents; --agents N places some at random")
     draft = SceneDraft(

@@ -89,12 +89,15 @@ def test_faults_of_stdin_are_located(run, monkeypatch: pytest.MonkeyPatch) -> No
         (["new"], "expected corridor, room, warehouse, or from-map FILE"),
         (["new", "from-map"], "expected stplan new from-map FILE"),
         (["new", "castle"], "castle: expected"),
+        (["new", "from-map", "agents.xml"], "agents.xml: holds no map to place agents on"),
         (["new", "room", "--agents", "5000"], "fit on the floor"),
     ],
 )
 def test_what_cannot_be_is_refused(run, here: Path, words: list[str], said: str) -> None:
     movingai(here)
     Path("rooms.txt").write_text("")
+    agent = '<agent id="0" start_i="5" start_j="3" goal_i="1" goal_j="4"/>'
+    Path("agents.xml").write_text(f"<root>{agent}</root>")
     result = run(*words)
     assert (result.status, result.out) == (2, "")
     assert said in result.err
