@@ -2,8 +2,9 @@
 
 A draft is what one start of a seeder found, shortened a little: enough to tell what it will cost. Seeders
 differ more than their starts do, so all rivals of the portfolio are asked; one whose drafts fail or cost far
-more than the best is asked no more. The cheapest draft is then improved by large-neighbourhood search, and
-only the cheapest of different homotopy classes are tightened and given their knots.
+more than the best is asked no more, and nobody is once one has found that there is no room. The cheapest
+draft is then improved by large-neighbourhood search, and only the cheapest of different homotopy classes are
+tightened and given their knots.
 
 All efforts are counted. The time limit is the only clock: a draft that is not made in time is not made at
 all, and some of the limit is kept for the preparation of those that are.
@@ -76,6 +77,8 @@ def tight_seeds(
     maker = _Drafts(problem, portfolio, competing(problem, budget))
     drafts = [maker.draft(first, budget.rng_seed)]
     for rival in portfolio.rivals:
+        if maker.jammed:
+            break
         drafts += maker.compete(rival, share, min(draft.cost for draft in drafts))
     drafts += maker.improved(min(drafts, key=_cost), share)
     distinct = _distinct(problem, sorted(drafts, key=_cost))
@@ -89,11 +92,18 @@ def competing(problem: PlanningProblem, budget: Budget) -> Budget:
 
 
 class _Drafts:
+    """Makes drafts and seeds of them.
+
+    Attributes:
+        jammed: whether a rival was given up because nobody has room.
+    """
+
     def __init__(self, problem: PlanningProblem, portfolio: Portfolio, budget: Budget) -> None:
         self._problem = problem
         self._portfolio = portfolio
         self._budget = budget
         self._starts = 0
+        self.jammed = False
 
     def draft(self, found: SeedAttempt, rng_seed: int) -> Draft:
         """The draft of another start."""
@@ -108,6 +118,9 @@ class _Drafts:
             if failures >= rival.patience or self._budget.spent():
                 break
             found = attempted(rival.seeder, replace(self._budget, rng_seed=rng_seed + start))
+            self.jammed = found.jammed
+            if self.jammed:
+                break
             failures += 1.0 + (found.record.sweeps or 0) / SWEEPS_A_FAILURE
             if found.clear:
                 draft = self.draft(found, rng_seed + start)

@@ -97,6 +97,14 @@ def test_a_rival_that_is_far_too_dear_is_asked_no_more(portfolio, first, monkeyp
     assert (cheap.asked, dear.asked) == (3, 1)
 
 
+def test_where_there_is_no_room_nobody_else_is_asked(portfolio, first):
+    jammed = Counted([SeedAttempt("no room", jammed=True)])
+    other = Counted([first])
+    found = seeds(portfolio, first, Rival(jammed, 8, patience=8), Rival(other, 8, patience=8))
+    assert (jammed.asked, other.asked) == (1, 0)
+    assert found
+
+
 def test_no_share_asks_nobody(portfolio, first):
     rival = Counted([first])
     found = seeds(portfolio, first, Rival(rival, 8, patience=1), share=0.0)

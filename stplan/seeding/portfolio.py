@@ -61,6 +61,8 @@ FEW_RADII = 3
 MENDED_PART, MENDED_PAIRS = 0.1, 4
 # Starts of relaxation as a rival in tight spaces: they are quick, and differ little.
 RELAXATION_STARTS = 10
+# Of more agents relaxation is the first rival: soon it says whether there is no room for any of them.
+CROWDED = 24
 # In larger crowds between walls rivals hardly ever find a way, and take half of the time to fail.
 MOST_COMPETING = 110
 # Preparing what was found may take this part of the time limit over it; a tenth with its last step.
@@ -313,8 +315,11 @@ def _tight_seeders(levels: Levels) -> tuple[tuple[Seeder, ...], tuple[Rival, ...
     )
     if levels.problem.num_agents > MOST_COMPETING:
         return seeders, ()
-    return seeders, (
+    searches = (
         Rival(by_motion, by_motion.worthwhile_starts, patience=1),
         Rival(by_length, by_length.worthwhile_starts, patience=1),
-        Rival(relaxation, RELAXATION_STARTS, patience=2),
     )
+    relaxations = (Rival(relaxation, RELAXATION_STARTS, patience=2),)
+    if levels.problem.num_agents > CROWDED:
+        return seeders, (*relaxations, *searches)
+    return seeders, (*searches, *relaxations)

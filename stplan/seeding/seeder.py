@@ -71,6 +71,7 @@ class SeedAttempt:
         record: what it took.
         touching: pairs of agents a < b that touch in the best curves.
         reasons: why they are not clear.
+        jammed: whether it was given up because there is no room to part them all.
     """
 
     found_by: str
@@ -79,6 +80,7 @@ class SeedAttempt:
     record: SeedRecord = field(default_factory=SeedRecord)
     touching: tuple[tuple[int, int], ...] = ()
     reasons: tuple[Reason, ...] = ()
+    jammed: bool = False
 
     @property
     def tries(self) -> int:

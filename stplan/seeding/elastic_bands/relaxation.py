@@ -9,6 +9,7 @@ There is no search and there are no priorities. Single-lane deadlocks are beyond
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -57,6 +58,9 @@ CHECK_EVERY = 4
 PATIENCE = 80
 # A re-tensioned band is knocked aside by about this many radii.
 KNOCK = 1.5
+# After this part of the sweeps, so many touching pairs an agent mean that there is no room to part them: far
+# fewer are left wherever all get clear.
+JAMMED_AFTER, JAMMED_PAIRS = 0.25, 4.0
 # The least part of a contact that a heavy agent answers for.
 LEAST_SHARE = 0.1
 # Neighbours are listed within a skin of so many radii, more of them where lists last for less than
@@ -78,6 +82,8 @@ def relax(
 ) -> SeedAttempt:
     """Push rods apart until they hold what is `required`, until the sweeps are used up, or until `stopped`.
 
+    It is given up early where far too many are touching after a part of the sweeps.
+
     `initial` curves (n, 3) must not cross walls and have to pass the waypoints; without them the
     bands start straight.
     """
@@ -85,19 +91,22 @@ def relax(
     curves = initial_curves(problem, initial, num_knots, rng)
     relaxation = _Relaxation(problem, curves, _attainable(problem, curves, required), rng)
     touching: list[tuple[int, int]] = []
-    clear = False
-    while not clear and relaxation.sweeps < max_sweeps:
+    clear = jammed = False
+    look = CHECK_EVERY * math.ceil(JAMMED_AFTER * max_sweeps / CHECK_EVERY)
+    while not (clear or jammed) and relaxation.sweeps < max_sweeps:
         relaxation.sweep()
         if relaxation.sweeps % CHECK_EVERY == 0:
             touching = relaxation.stuck_pairs()
             clear = not touching and relaxation.verified()
+            jammed = relaxation.sweeps == look and relaxation.is_jammed(touching)
             if not clear:
                 relaxation.retension_if_stuck(touching)
         if stopped():
             break
     record = SeedRecord(sweeps=relaxation.sweeps, retensions=relaxation.retensions)
     found = relaxation.bands.curves(problem)
-    return SeedAttempt(NAME, found, clear=clear, record=record, touching=tuple(touching))
+    pairs = tuple(touching)
+    return SeedAttempt(NAME, found, clear=clear, record=record, touching=pairs, jammed=jammed)
 
 
 def _attainable(
@@ -193,6 +202,10 @@ class _Relaxation:
         contacts = np.bincount(pairs.ravel(), minlength=count)
         self.pace = np.clip(PLAIN_PACE_CONTACTS / np.maximum(contacts, 1), 1.0, FASTEST_PACE)
         return [(int(a), int(b)) for a, b in pairs]
+
+    def is_jammed(self, stuck: Sequence[tuple[int, int]]) -> bool:
+        """Whether so many pairs are not clear that there is no room; none of them was pulled tight again."""
+        return self.retensions == 0 and len(stuck) > JAMMED_PAIRS * len(self.movable)
 
     def retension_if_stuck(self, stuck: list[tuple[int, int]]) -> None:
         """After long without fewer stuck pairs, pull their bands tight and knock one aside."""

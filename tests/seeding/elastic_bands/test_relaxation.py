@@ -10,12 +10,16 @@ import pytest
 import shapely
 
 from stplan.arrays import FloatArray
+from stplan.bench.families_crowds import FAMILIES as FAMILIES_OF_CROWDS
+from stplan.planner import prepare
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import requirement
 from stplan.problem.verification import verify
 from stplan.scene.model import Agent, PairRule, Scene, Weights
 from stplan.seeding.elastic_bands.relaxation import relax
-from stplan.seeding.seeder import SeedAttempt
+from stplan.seeding.elastic_bands.relaxation_seeder import Relaxation
+from stplan.seeding.search.levels import Levels
+from stplan.seeding.seeder import Budget, SeedAttempt
 from stplan.seeding.shortcutting.shortcuts import prepare_seed
 from stplan.world import FreeSpace
 from tests.seeding.families import (
@@ -256,3 +260,17 @@ def test_the_impossible_is_reported_within_its_limits() -> None:
     assert result.record.sweeps == 200
     assert (result.record.retensions or 0) > 0
     assert relax(problem, required, stopped=lambda: True).record.sweeps == 1
+
+
+def test_a_crowd_without_room_is_given_up_early_and_one_with_room_is_not() -> None:
+    def in_a_room(count: int) -> SeedAttempt:
+        problem = prepare(FAMILIES_OF_CROWDS["grid room"](count, 0))
+        return Relaxation(problem, 400, Levels(problem)).attempt(Budget())
+
+    crowd, few = in_a_room(40), in_a_room(8)
+    assert crowd.jammed
+    assert not crowd.clear
+    assert crowd.record.sweeps == 100
+    assert len(crowd.touching) > 4 * 40
+    assert few.clear
+    assert not few.jammed
