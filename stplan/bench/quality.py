@@ -22,7 +22,17 @@ FULL_SCENES = (
     "tight/warehouse",
     "aircraft/first-class",
     "subway/platform",
+    "subway/platform-tight",
     "comparison/gap",
+    "comparison/lane",
+    "tunnel/tunnel",
+    "bottleneck/bottleneck",
+    "mazes/rings",
+    "mazes/corn",
+    "pond/strangers",
+    "pond/meeting",
+    "pond/messenger",
+    "pond/friends",
 )
 SMALL_MOVES, FULL_MOVES = 20, 200
 

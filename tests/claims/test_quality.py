@@ -11,10 +11,18 @@ import trimesh
 from stplan import load_scene
 from stplan.analysis.metrics import turning
 from stplan.analysis.own_costs import own_costs
+from stplan.bench import quality
+from stplan.bench.ledger import read_ledger
 from stplan.planner import plan
 from stplan.problem.kinetic_cost import total_kinetic_cost
 from stplan.scene import parse_scene
 from tests.claims.plans import SCENES, path_length, planned, raw_seed
+
+LEDGER = read_ledger(SCENES.parent / "docs" / "ledger.csv")
+# What plans of some scenes cost over the best ones known, where that is more than a fiftieth: the shipped
+# setting of the tight subway takes the first way found, in cabins and warehouses moves of improvement pay.
+DEARER = {"subway/platform-tight": 1.17, "tight/cabin": 1.12, "tight/warehouse": 1.08}
+SMALL = ("comparison/lane", "tight/pocket-swap", "tight/plus-crossing", "tunnel/tunnel")
 
 QUICK = ("roomba/roomba", "subway/platform", "subway/platform-tight")
 SLOW = ("mazes/corn", "mazes/rings", "aircraft/first-class", "circle/circle-35", "tight/cabin")
@@ -139,3 +147,22 @@ def test_the_coarseness_of_the_mesh_hardly_matters_to_the_papers_own_recipe(tmp_
     claim(
         "bottleneck", "the same by the paper's recipe", abs(costs[1] / costs[0] - 1.0), at_most=0.02
     )
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        name if name in SMALL else pytest.param(name, marks=pytest.mark.claims)
+        for name in quality.FULL_SCENES
+    ],
+)
+def test_plans_cost_little_more_than_the_best_ones_known(name, claim):
+    """Plans are near the best ones that anything has led to.
+
+    The ledger has the best ones, by scene; a run that beats it is recorded by `stplan bench quality`.
+    """
+    result = planned(name)
+    lines = result.trajectories or result.seed
+    cost = float(own_costs(result.scene, lines).sum())
+    claim(result.scene.name, "cost over the least one known", cost / LEDGER[name].cost,
+          at_most=DEARER.get(name, 1.02))  # fmt: skip
