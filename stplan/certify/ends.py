@@ -23,16 +23,20 @@ def agents_that_differ(scene: Scene, lines: WorldLines) -> list[str]:
     return sentences
 
 
-def broken_ends(agent: Agent, curve: FloatArray, *, assigned: bool = False) -> list[str]:
-    """Ends, times, waypoints and the prescribed path of one agent, `curve` (n + 1, 3).
-
-    Where an `assigned` agent ends is not looked at.
-    """
+def _no_curve(agent: Agent, curve: FloatArray) -> list[str]:
+    """Why `curve` is none that anything could be said of."""
     if len(curve) < 2 or not np.isfinite(curve).all():
         return [f"{agent.id}: needs at least two finite knots"]
     if np.abs(curve).max() > LARGEST:
         return [f"{agent.id}: a coordinate or time is beyond {LARGEST:g}"]
-    sentences = []
+    return []
+
+
+def broken_start(agent: Agent, curve: FloatArray) -> list[str]:
+    """Start, its time and velocity, and the order of times of one agent, `curve` (n + 1, 3)."""
+    sentences = _no_curve(agent, curve)
+    if sentences:
+        return sentences
     if (np.diff(curve[:, 2]) <= 0).any():
         knot = int(np.flatnonzero(np.diff(curve[:, 2]) <= 0)[0]) + 1
         sentences.append(f"{agent.id}: time does not increase at knot {knot}")
@@ -48,6 +52,18 @@ def broken_ends(agent: Agent, curve: FloatArray, *, assigned: bool = False) -> l
             f"not with {agent.start_velocity} m/s"
             + (f" for {agent.start_duration} s" if agent.start_duration else "")
         )
+    return sentences
+
+
+def broken_ends(agent: Agent, curve: FloatArray, *, assigned: bool = False) -> list[str]:
+    """Ends, times, waypoints and the prescribed path of one agent, `curve` (n + 1, 3).
+
+    Where an `assigned` agent ends is not looked at.
+    """
+    sentences = _no_curve(agent, curve)
+    if sentences:
+        return sentences
+    sentences = broken_start(agent, curve)
     if agent.goal_places:
         outside = outside_all(agent.goal_places, curve[-1, :2], place_tolerance(agent, curve))
         sentences += [f"{agent.id}: {outside}"] if outside else []

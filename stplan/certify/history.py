@@ -16,7 +16,7 @@ import numpy as np
 from stplan.amounts import amount
 from stplan.arrays import FloatArray
 from stplan.certify.certificate import Certificate, certify
-from stplan.certify.ends import broken_ends
+from stplan.certify.ends import broken_ends, broken_start
 from stplan.certify.motion import LONGEST_SHARE, Peak
 from stplan.certify.places import broken_assignments
 from stplan.certify.tightest import Tightest
@@ -118,6 +118,9 @@ def _broken_ends(worlds: Sequence[World], curves: Mapping[str, FloatArray]) -> l
             start_duration=begin.start_duration,
         )
         sentences += broken_ends(whole, curves[name], assigned=name in assigned)
+    for name, agent in first.items():
+        if name not in last.agents:
+            sentences += broken_start(agent, curves[name])
     if assigned and not sentences and not last.removed:
         ends = np.array([curves[agent.id][-1, :2] for agent in last.scene.agents])
         sentences += broken_assignments(last.scene, ends)
@@ -179,8 +182,12 @@ def _peaks(
         allowed = np.full(len(times), np.inf)
         for world, agent in known:
             value = getattr(agent, limit)
-            now = (times >= world.begin) & (times < world.end)
-            allowed[now] = np.inf if value is None or agent.path is not None else value
+            if value is None or agent.path is not None:
+                continue
+            # A segment's speed lasts until the next knot, changes of velocity are at knots.
+            until = np.append(times[1:], times[-1]) if what == "speed" else times
+            now = (times < world.end) & ((times >= world.begin) | (until > world.begin))
+            allowed[now] = np.minimum(allowed[now], value)
         if what == "speed":
             reached = np.append(np.hypot(velocity[:, 0], velocity[:, 1]), 0.0)
             when = np.append(0.5 * (times[1:] + times[:-1]), times[-1])

@@ -59,3 +59,9 @@ def test_the_bound_grows_with_the_extent_not_with_the_place(northing: float) -> 
     around = LocalFrame.around(np.array([[northing, northing], [northing + 50.0, northing]]))
     assert around.rounding < 4e-12
     assert rational(around.origin) == [Fraction(int(x)) for x in around.origin]
+
+
+def test_the_bound_covers_what_the_arithmetic_may_be_off() -> None:
+    # 94 units of rounding of the largest coordinate, and no more than twice that.
+    frame = LocalFrame.around(np.array([[-1.0, 0.0], [1.0, 1.0]]))
+    assert 94 * 2.0**-53 <= frame.rounding <= 188 * 2.0**-53

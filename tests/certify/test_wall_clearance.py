@@ -101,3 +101,14 @@ def test_on_the_boundary_through_a_corner_and_out_of_the_room() -> None:
     places = dict(zip(paths, found.place.tolist(), strict=True))
     assert places["across the hole"] in ([4.0, 5.0], [6.0, 5.0])
     assert places["over the wall"] == [2.0, 13.0]
+
+
+def test_where_a_path_crosses_a_slanting_wall() -> None:
+    hole = shapely.Polygon([(4, 4), (6, 5), (4, 6.5)])
+    space = FreeSpace.from_polygon(shapely.box(0, 0, 10, 10).difference(hole))
+    path = np.array([[4.5, 1, 0], [5.5, 9, 1.0]])
+    found = wall_distances(space, [path])
+    assert -1e-300 < found.distance[0] < 0.0
+    crossings = shapely.intersection(shapely.LineString(path[:, :2]), hole.exterior)
+    nearest = shapely.Point(found.place[0]).distance(crossings)
+    assert nearest < 1e-12
