@@ -6,11 +6,15 @@ when the last one passed (`least_asides`), or was not there yet: g = min s_i / v
 
 And however wide the gate is, discs on it are apart: the chords that they cut from it add up to its width w at
 most. A disc that crosses it at v adds pi r^2 / v to the integral of chords over time, half of it before its
-passage and half of it after. So from when the first one touches the gate until tau_k
+(last) passage and half of it after. So from when the first one touches the gate until tau_k
 
-    w (tau_k - begin) >= sum of the k smallest pi r^2 / v - M / 2 times the greatest,
+    w (tau_k - begin) >= sum of the k smallest pi r^2 / v - what is missing at tau_k.
 
-where M discs at most are on it at once: they lie in a rectangle of w + 2 r by 4 r.
+Those that passed and have not left the gate since are beyond it by 0 <= s < r and lack mu(s / r) pi r^2 /
+(2 v), where mu(x) = (4 / pi) int_x^1 sqrt(1 - u^2) du falls from 1 to 0 and mu <= sqrt(1 - x^2). Neighbours
+i and j on the gate with s_j = s_i + d are sqrt((r_i + r_j)^2 - d^2) >= r_i + r_j mu(d / r_j) from each
+other along it, the outermost ones r_i mu at least from its ends. So sum r_i mu_i <= w / 2, and pi w / 4 max
+(r / v) at most is missing.
 """
 
 from __future__ import annotations
@@ -104,11 +108,8 @@ def _passing(problem: PlanningProblem, gate: Gate) -> Passing | None:
 def _by_area(problem: PlanningProblem, gate: Gate, speeds: FloatArray) -> FloatArray:
     """(n,) when the k-th agent passes at the earliest, by the room that discs take on the gate, s."""
     radii = problem.radii[gate.agents]
-    room = np.pi * radii**2 / speeds
-    largest = float(radii.max())
-    box = 4.0 * largest * (gate.width + 2.0 * largest)
-    most = min(np.floor(box / (np.pi * float(radii.min()) ** 2)), len(radii))
-    taken = np.cumsum(np.sort(room)) - 0.5 * most * room.max()
+    missing = 0.25 * np.pi * gate.width * float((radii / speeds).max())
+    taken = np.cumsum(np.sort(np.pi * radii**2 / speeds)) - missing
     off = _distances(gate, problem.starts[gate.agents]) - radii
     touched = float((problem.start_times[gate.agents] + off / speeds).min())
     return touched + np.maximum(taken, 0.0) / gate.width

@@ -61,6 +61,57 @@ def test_the_densest_block_of_discs_is_not_refuted(rows, half):
     assert passing.makespan <= arrivals.max()
 
 
+def dropped(rng: np.random.Generator, count: int, half: float):
+    """Discs of several radii behind a gate, each as near behind those before it as its height lets it be."""
+    placed: list[tuple[float, float, float]] = []
+    for radius in rng.uniform(0.12, 0.25, count).tolist():
+        y = rng.uniform(radius - half + 0.001, half - radius - 0.001)
+        x = -1.0
+        for other_x, other_y, other in placed:
+            apart = 1.0002 * (radius + other)
+            if abs(y - other_y) < apart:
+                x = min(x, other_x - np.sqrt(apart**2 - (y - other_y) ** 2))
+        placed.append((x, y, radius))
+    return placed
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("half", [0.3, 0.6, 1.0])
+def test_no_random_crowd_that_moves_through_a_gate_beats_the_bound(seed, half):
+    rng = np.random.default_rng(seed)
+    rows, curves = [], []
+    for k, (x, y, radius) in enumerate(dropped(rng, 30, half)):
+        speed = 1.3 if k % 2 else 1.6
+        rows.append(
+            f"  - {{id: a{k}, start: [{x}, {y}], goal: [1, {y}], radius: {radius}, max_speed: {speed}}}"
+        )
+        curves.append(np.array([[x, y, 0.0], [1.0, y, (1.0 - x) / 1.3 * (1.0 + 1e-9)]]))
+    scene = parse_scene(HEAD.format(half=half) + "\n".join(rows) + "\n")
+    problem = prepare(scene)
+    lines = WorldLines.from_curves([agent.id for agent in scene.agents], curves)
+    assert certify(problem.scene, problem.free_space, lines).holds
+    starts = np.array([agent.start for agent in scene.agents])
+    for passing in passings(problem, shortest_legs(problem)):
+        passed = np.sort(-starts[passing.agents, 0] / 1.3)
+        assert np.all(passing.passages <= passed)
+
+
+def test_discs_just_past_a_gate_lack_no_more_than_its_width_says():
+    rng = np.random.default_rng(5)
+    tightest = 0.0
+    for _ in range(300):
+        radii = rng.uniform(0.2, 1.0, rng.integers(1, 7))
+        beyond = radii * rng.choice([0.0, 1.0], len(radii)) * rng.uniform(0.0, 1.0, len(radii))
+        half_chords = np.sqrt(radii**2 - beyond**2)
+        steps = np.sqrt((radii[1:] + radii[:-1]) ** 2 - np.diff(beyond) ** 2)
+        width = half_chords[0] + steps.sum() + half_chords[-1]
+        lacking = 2.0 * (np.arccos(beyond / radii) - beyond / radii**2 * half_chords) / np.pi
+        share = float((radii * lacking).sum() / (0.5 * width))
+        assert share <= 1.0 + 1e-12
+        tightest = max(tightest, share)
+    assert tightest > 0.99
+
+
 def test_a_crowd_at_a_door_is_bounded_by_its_width():
     rng = np.random.default_rng(0)
     grid = [(-2.0 - 0.5 * (k // 12), -3.0 + 0.5 * (k % 12)) for k in range(60)]
