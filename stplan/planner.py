@@ -22,11 +22,12 @@ from stplan.errors import BrokenSeedError, SeedingError, StoppedError, UsageErro
 from stplan.geometry.rod_distances import segment_distances
 from stplan.hastening import arrivals_of, hasten, with_ample_horizon
 from stplan.improvement.budget import ImprovementBudget
-from stplan.multistart import best_seeds, own_cost
+from stplan.multistart import best_seeds
 from stplan.nlp.ipopt.adapter import require_options
 from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
 from stplan.optimize.continuation import LiveLine, Optimisation
 from stplan.optimize.restoration import restore
+from stplan.optimize.rivals import optimise_rival
 from stplan.optimize.whole import optimise_whole
 from stplan.planned import Plan, cheapest, notes_of, plan_files, write_plan
 from stplan.problem import planning_problem
@@ -352,15 +353,14 @@ def _rival(
     stop: Stop,
     clock: Clock,
 ) -> Plan | None:
-    """The plan from another seed, None where a few iterations tell that it is dearer than the best."""
-    from stplan.improvement.trials import Trials
-
+    """The plan from another seed, None where its optimisation tells that it is dearer than the best."""
     problem = sharpened(initial.problem, initial.seed.world_lines)
-    trials = Trials(problem, stop)
-    best = min(own_cost(plan.scene, plan.trajectories or plan.seed) for plan in plans)
+    reports = (plan.report.optimisation for plan in plans)
+    known = [
+        [done.objective for done in one.outer_iterations] for one in reports if one is not None
+    ]
     with clock.stage("optimise"):
-        short = trials.shortly(initial.seed.world_lines, best / problem.frame.cost)
-        optimised = None if short is None else trials.fully(short)
+        optimised = optimise_rival(problem, initial.seed.world_lines, known, stop=stop)
     planned = None if optimised is None else _planned(problem, initial, optimised, clock)
     return None if planned is None or planned.status is Status.BROKEN else planned
 

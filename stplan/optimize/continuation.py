@@ -33,6 +33,8 @@ from stplan.status import Status
 
 LiveLine = Callable[[Callable[[], str]], None]
 Observer = Callable[[FloatArray, Sequence[Term]], None]
+# Asked after an outer iteration with its objective, in the user's units, and how many are still to come.
+Proceed = Callable[[float, int], bool]
 # From what judges, the run's control and the iterations before it to what is asked after every iteration.
 Watched = Callable[[Judge, StepControl, int], Callable[[Iteration], bool]]
 
@@ -114,6 +116,7 @@ def optimise(
     backend: Backend | None = None,
     formulation: Formulation | None = None,
     begin: int = 0,
+    proceed: Proceed | None = None,
 ) -> Optimisation:
     """Make `seed` smooth and cheap by the paper's outer loop.
 
@@ -125,13 +128,14 @@ def optimise(
         backend: what solves the nonlinear programs, Ipopt as the scene has it by default.
         formulation: of `problem` and `seed`, where it is known already.
         begin: outer iterations of the scene's settings that `seed` has behind it, from an earlier run.
+        proceed: False ends with what there is then.
 
     Raises:
         SolverError: Ipopt lacks the linear solver or an option asked for.
     """
     formulation = formulation or formulate(problem, seed)
     solver = ipopt(problem.scene) if backend is None else backend
-    loop = _Loop(formulation, seed, solver, progress, stop, observe, live)
+    loop = _Loop(formulation, seed, solver, progress, stop, observe, live, proceed)
     return loop.run(begin)
 
 
@@ -168,6 +172,7 @@ class _Loop:
         stop: Stop,
         observe: Observer | None,
         live: LiveLine | None,
+        proceed: Proceed | None,
     ) -> None:
         self._formulation = formulation
         self._constraints = build_constraints(
@@ -180,6 +185,7 @@ class _Loop:
         self._stop = stop
         self._observe = observe
         self._live = live
+        self._proceed = proceed
         self._watch = Stopwatch()
         self._sharpness: dict[str, FloatArray] = {}
         self._done: list[OuterIteration] = []
@@ -208,6 +214,9 @@ class _Loop:
             )
             # Where nothing moves any more, curves are too near their limits: the last mu's are the result.
             if done.status is Status.INTERRUPTED or (done.status is Status.FAILED and not moved):
+                break
+            left = self._total - outer - 1
+            if left and self._proceed is not None and not self._proceed(done.objective, left):
                 break
         return self._result()
 
