@@ -14,6 +14,7 @@ from stplan import planner
 from stplan.callbacks import never
 from stplan.errors import SeedingError
 from stplan.installation.kernels import all_kernels
+from stplan.problem.requirement import least_requirement
 from stplan.problem.world_lines import WorldLines
 from stplan.scene import parse_scene
 from stplan.seeding.margins import margin_ladder
@@ -21,10 +22,12 @@ from stplan.seeding.search.joint import plan_jointly
 from stplan.seeding.search.joint_search import JointSearch
 from stplan.seeding.search.levels import Levels
 from stplan.seeding.seeder import Budget
+from stplan.seeding.shortcutting.pacing import paced
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from stplan.problem.planning_problem import PlanningProblem
     from stplan.scene.model import Scene
 
 Watch = Callable[[int, int], None]
@@ -127,6 +130,8 @@ def compile_kernels(progress: Watch | None = None) -> tuple[str, ...]:
                 planner.plan(parse_scene(text))
             tell()
         _search_jointly(Levels(planner.prepare(parse_scene(_ROOM))))
+        for text in (_OPEN, _ROOM):
+            _keep_to_ways(planner.prepare(parse_scene(text)))
         scene = parse_scene(_crowd_text(_CROWD))
         planner.check(scene, _straight_lines(scene))
         tell()
@@ -138,6 +143,15 @@ def _search_jointly(levels: Levels) -> None:
     JointSearch(levels).attempt(Budget())
     level = levels.at(margin_ladder(levels.problem.scene.seeding.margin)[-1])
     plan_jointly(level.planner(1), (0, 1), np.random.default_rng(0), never)
+
+
+def _keep_to_ways(problem: PlanningProblem) -> None:
+    """What only replanning asks for."""
+    curves = [
+        np.column_stack([problem.stops[a][[0, -1]], [problem.start_times[a], problem.max_times[a]]])
+        for a in range(problem.num_agents)
+    ]
+    paced(problem, curves, 0, curves[0][:, :2], least_requirement(problem))
 
 
 def _crowd_text(count: int) -> str:

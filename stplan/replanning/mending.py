@@ -6,7 +6,7 @@ touch join them, in the end everybody. Then all are optimised, from the rest of 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,13 +24,20 @@ from stplan.problem.launches import Launches
 from stplan.problem.metric import sharpened
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.restriction import restricted
-from stplan.problem.verification import verify
+from stplan.problem.verification import Fault, verify
 from stplan.problem.world_lines import WorldLines
+from stplan.replanning.pacing import even_pace, paced_curves
 from stplan.scene.model import Scene, WorldChange
 from stplan.seeding.elastic_bands.geodesics import geodesic_curves
+from stplan.seeding.infeasibility import hopeless
+from stplan.seeding.search.shortest_ways import WayFinder
 
 # Mended plans are optimised so many outer iterations before the end.
 FROM_END = 2
+# Agents join those who keep their ways so often.
+ROUNDS = 4
+# Where that leads nowhere, search takes these shares of the time limit: for some agents, and for everybody.
+SEARCH, SEARCH_FOR_ALL = 1 / 15, 1 / 6
 # Knots of the same place and time up to rounding, m and s.
 SAME = 1e-9
 
@@ -116,6 +123,7 @@ class _Mending:
             for a, name in enumerate(problem.agent_ids)
             if before.get(name) != after[name] or name in delayed or name not in history
         } - set(np.flatnonzero(problem.prescribed).tolist())
+        self._planning = set(np.flatnonzero(~problem.prescribed).tolist())
         fixed = {a for a, name in enumerate(problem.agent_ids) if name in delayed}
         self._launches = Launches.of(problem, fixed)
         self._rest = problem if self._launches is None else self._launches.problem
@@ -130,20 +138,11 @@ class _Mending:
         """Curves that touch nothing, those of whom nothing stands in the way as they were."""
         curves = self._kept_curves()
         group = self._with_blocked(curves)
-        while group:
-            self._moved = group
+        if group:
             progress(f"planning {len(group)} of {self._problem.num_agents} agents anew")
-            try:
-                found = self._planned(sorted(group), curves)
-            except SeedingError:
-                wider = self._wider(group, curves)
-                if wider == group:
-                    raise
-                group = wider
-                continue
-            for a, curve in found.items():
-                curves[a] = curve
-            break
+            found = self._on_their_ways(group, curves) or self._searched(group, curves, progress)
+            self._moved = set(found)
+            curves |= found
         whole = [curves[a] for a in range(self._rest.num_agents)]
         if self._launches is not None:
             whole = self._launches.joined(whole)
@@ -212,23 +211,93 @@ class _Mending:
             }
         return group
 
-    def _planned(
-        self, group: Sequence[int], curves: dict[int, FloatArray]
+    def _on_their_ways(
+        self, group: set[int], curves: Mapping[int, FloatArray]
+    ) -> dict[int, FloatArray] | None:
+        """Curves of a `group` along the ways it had, or the shortest ones; None where there are none.
+
+        Those in whose way it would be at an even pace join it, a few times.
+        """
+        ways: dict[int, FloatArray] = {}
+        for _ in range(ROUNDS):
+            for a in group - ways.keys():
+                way = self._way(a, curves.get(a))
+                if way is None or self._rest.scene.agents[a].visits:
+                    return None
+                ways[a] = way
+            part = self._among(group, curves)
+            found = paced_curves(part, sorted(group), curves, ways)
+            if found is not None and not self._faults({**curves, **found}):
+                return found
+            trial = {a: even_pace(self._rest, a, ways[a]) for a in group}
+            wider = group | self._touched(dict(curves) | trial, group)
+            if wider == group:
+                return None
+            group = wider
+        return None
+
+    def _searched(
+        self, group: set[int], curves: Mapping[int, FloatArray], progress: Progress
     ) -> dict[int, FloatArray]:
-        """Curves of a `group` among those of all others."""
-        rest = self._rest
-        part = _among(rest, {a: curve for a, curve in curves.items() if a not in group})
+        """Curves of a `group` that leave the ways it had, of more agents where there are none.
+
+        Raises:
+            SeedingError: there are none for everybody.
+        """
+        reasons = hopeless(self._problem)
+        if reasons:
+            raise SeedingError(reasons)
+        groups = (group, self._wider(group, curves), self._planning)
+        for part in dict.fromkeys(map(frozenset, groups)):
+            progress(f"searching for {len(part)} of {self._problem.num_agents} agents")
+            try:
+                return self._found(part, curves)
+            except SeedingError as error:
+                last = error
+        raise last
+
+    def _found(
+        self, group: Collection[int], curves: Mapping[int, FloatArray]
+    ) -> dict[int, FloatArray]:
+        """Curves of a `group` that search finds among those of all others. Raises likewise."""
+        everybody = len(group) == len(self._planning)
+        part = _hurried(self._among(group, curves), everybody=everybody)
         every = list(best_seeds(part, progress=unheard).seeds[0].world_lines.curves())
         found = {a: every[a] for a in group}
-        whole = curves | found
-        faults = verify(rest, [whole[a] for a in range(rest.num_agents)])
+        faults = self._faults({**curves, **found})
         if faults:
             raise SeedingError("; ".join(map(str, faults)))
         return found
 
-    def _wider(self, group: set[int], curves: dict[int, FloatArray]) -> set[int]:
+    def _among(self, group: Collection[int], curves: Mapping[int, FloatArray]) -> PlanningProblem:
+        """The problem in which a `group` plans among the curves of all others."""
+        return _among(self._rest, {a: curve for a, curve in curves.items() if a not in group})
+
+    def _faults(self, curves: Mapping[int, FloatArray]) -> list[Fault]:
+        return verify(self._rest, [curves[a] for a in range(self._rest.num_agents)])
+
+    def _way(self, agent: int, curve: FloatArray | None) -> FloatArray | None:
+        """The way (n, 2) an agent had, where it still leads to its goal, or else the shortest."""
+        rest = self._rest
+        name = self._problem.agent_ids[agent]
+        start, goal = rest.starts[agent], rest.goals[agent]
+        way = None if curve is None else curve[:, :2]
+        if way is None and name in self._history:
+            old = self._history[name]
+            later = self._problem.frame.local_points(old[old[:, 2] > self._change.at, :2])
+            if len(later) and np.abs(later[-1] - goal).max() <= SAME:
+                way = np.vstack([start, later[:-1], goal])
+        radius = float(rest.radii[agent])
+        if way is not None and wall_clearance(rest, agent, way) > radius:
+            return way
+        space = rest.free_space
+        if space is None or not rest.heeds_walls[agent]:
+            return rest.stops[agent]
+        found = WayFinder(space).way(rest.stops[agent], radius)
+        return None if found is None else found.points
+
+    def _wider(self, group: set[int], curves: Mapping[int, FloatArray]) -> set[int]:
         """The group, and those whom its own ways alone would touch; everybody where these are known."""
-        planning = set(np.flatnonzero(~self._problem.prescribed).tolist())
         rest = self._rest
         ways = geodesic_curves(rest)
         trial = dict(curves)
@@ -236,15 +305,24 @@ class _Mending:
             way = ways[a]
             if way is not None:
                 trial[a] = way
-        known = sorted(trial)
-        part = restricted(rest, np.array(known))
-        met = set()
-        for one, other, _ in rod_clearances(part, [trial[a] for a in known]).violations:
-            pair = {known[one], known[other]}
-            if pair & group:
-                met |= pair & planning
-        wider = group | met
-        return wider if wider > group else planning
+        wider = group | self._touched(trial, group)
+        return wider if wider > group else self._planning
+
+    def _touched(self, curves: Mapping[int, FloatArray], group: set[int]) -> set[int]:
+        """Those who plan, and whose curves touch one of a `group`, or are touched."""
+        known = sorted(curves)
+        part = restricted(self._rest, np.array(known))
+        pairs = rod_clearances(part, [curves[a] for a in known]).violations
+        touching = [{known[one], known[other]} for one, other, _ in pairs]
+        return {a for pair in touching if pair & group for a in pair & self._planning}
+
+
+def _hurried(problem: PlanningProblem, *, everybody: bool) -> PlanningProblem:
+    """`problem` with less time to search: a plan is wanted before the world has gone on."""
+    seeding = problem.scene.seeding
+    share = SEARCH_FOR_ALL if everybody else SEARCH
+    seeding = replace(seeding, time_limit=share * seeding.time_limit)
+    return replace(problem, scene=replace(problem.scene, seeding=seeding))
 
 
 def _among(problem: PlanningProblem, curves: Mapping[int, FloatArray]) -> PlanningProblem:
