@@ -2,7 +2,8 @@
 
 Ways are measured on a roadmap of the map, so that nobody is sent through a wall. Where an agent
 
-- stays, it gets a spot of its own (linear assignment, the cheapest kinetic energy on these ways);
+- stays, it gets a spot of its own (linear assignment, the cheapest kinetic energy on these ways), and moves
+  straight on towards where it comes from as far as its place reaches, where nobody else ends in that;
 - vanishes, it gets the spot it could leave by first: spots along an exit serve one after another, so that a
   crowd spreads over exits, and over the width of each, as queues at them grow;
 - is one of a crowd whose points are assigned, it gets one of these (linear assignment of least length, and
@@ -14,8 +15,10 @@ place they are cheapest.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -30,11 +33,20 @@ from stplan.scene.interactions import PairSettings
 from stplan.scene.model import Scene
 from stplan.scene.places import Place
 
+if TYPE_CHECKING:
+    import shapely
+
+    from stplan.world.places import StandingRoom
+
 # Spots keep so many times the radius from walls, where a place has such.
 OFF_WALLS = (1.05, 1.01, 1.0 + 1e-6)
 # Spots of staying agents are so many times as far apart as they have to be; the first that leaves enough.
 # From twice on others pass between any two of them.
 APART = (2.1, 1.6, 1.3, 1.1, 1.05, 1.01)
+# A spot is moved nearer by the largest of these shares of the way that is free.
+SHARES = np.linspace(1.0, 0.1, 10)
+# Points are in a room up to this share of a radius.
+ROUNDING = 1e-9
 # Spots along an exit.
 ABREAST = 1.1
 # Spots of an area are at most so many for every agent that ends there, and so many more.
@@ -124,8 +136,52 @@ def _settle_staying(
         energy[lengths >= FAR] = FAR**2
         rows, columns = linear_sum_assignment(energy)
         if (lengths[rows, columns] < FAR).all():
-            return {a: _point(points[k]) for a, k in zip(members, columns, strict=True)}
+            others = [(taken[k], float(halves[owners[k]])) for k in range(len(owners))]
+            ends = _nearer(problem, members, points[columns], halves, others)
+            return {a: _point(end) for a, end in zip(members, ends, strict=True)}
     raise _full(problem.scene, members)
+
+
+def _nearer(
+    problem: PlanningProblem,
+    members: list[int],
+    ends: FloatArray,
+    halves: FloatArray,
+    others: Sequence[tuple[FloatArray, float]],
+) -> FloatArray:
+    """`ends` (N, 2), those of agents who are alone in their places nearer to where these come from.
+
+    Args:
+        halves: (A,) half of how far everybody keeps others off, m.
+        others: who else stays somewhere, and half of how far it keeps others off, m.
+    """
+    from shapely import distance, points, shortest_line
+
+    from stplan.world.places import StandingRoom
+
+    rooms, agents = StandingRoom(problem.free_space), problem.scene.agents
+    enders = Counter(place for agent in agents for place in agent.goal_places)
+    ends = ends.copy()
+    for k, a in enumerate(members):
+        places = agents[a].goal_places
+        if any(enders[place] > 1 for place in places):
+            continue
+        radius = agents[a].radius if problem.heeds_walls[a] else 0.0
+        own = [room for place in places if not (room := _room(rooms, place, radius)).is_empty]
+        room = min(own, key=lambda one: float(distance(one, points(ends[k]))))
+        origin = np.array(problem.stops[a][-2])
+        nearest = np.array(shortest_line(room, points(origin)).coords[0])
+        tried = ends[k] + SHARES[:, None] * (nearest - ends[k])
+        free = distance(room, points(tried)) <= ROUNDING * agents[a].radius
+        free &= np.hypot(*(tried - origin).T) < np.hypot(*(ends[k] - origin))
+        if radius > 0.0:
+            free &= _sees(problem, origin[None], tried, radius)[0]
+        beside = [(ends[j], float(halves[b])) for j, b in enumerate(members) if b != a]
+        for end, half in (*beside, *others):
+            free &= np.hypot(*(tried - end).T) > APART[-1] * (half + halves[a])
+        if free.any():
+            ends[k] = tried[int(free.argmax())]
+    return ends
 
 
 def _full(scene: Scene, members: Sequence[int]) -> SceneError:
@@ -179,11 +235,8 @@ def _spots(
     for place, own in enders.items():
         # One set of spots for all radii that end there: the widest has to fit.
         radius = max(radius_of[a] for a in own)
-        room = next(
-            (room for off in OFF_WALLS if not (room := rooms.within(place, off * radius)).is_empty),
-            None,
-        )
-        if room is None:
+        room = _room(rooms, place, radius)
+        if room.is_empty:
             continue
         wide = np.sqrt(room.area / (SPOTS_AN_AGENT * len(own) + MORE_SPOTS))
         found = spots(room, max(spacing, float(wide)), 0.05 * radius)
@@ -191,6 +244,14 @@ def _spots(
         may = np.isin(members, own)
         allowed.append(np.repeat(may[:, None], len(found), axis=1))
     return np.vstack(points), np.hstack(allowed)
+
+
+def _room(rooms: StandingRoom, place: Place, radius: float) -> shapely.Geometry:
+    """Where in a place discs of a radius may stand, as far off walls as any of `OFF_WALLS` leaves."""
+    found = rooms.within(place, OFF_WALLS[0] * radius)
+    for off in OFF_WALLS[1:]:
+        found = rooms.within(place, off * radius) if found.is_empty else found
+    return found
 
 
 def _lengths(problem: PlanningProblem, members: list[int], points: FloatArray) -> FloatArray:

@@ -53,6 +53,25 @@ def test_those_who_stay_get_spots_of_their_own() -> None:
     assert gaps[np.triu_indices(16, 1)].min() > 0.6
 
 
+def test_one_who_is_alone_in_its_place_ends_where_it_is_nearest() -> None:
+    bench = "goal: {rectangle: [4, 2, 7, 6]}"
+    (end,) = goals(f"{{id: a, start: [1, 5], {bench}, radius: 0.3}}")
+    assert end == pytest.approx([4.0, 5.0])
+    (inside,) = goals(f"{{id: a, start: [5, 3], {bench}, radius: 0.3}}")
+    assert inside == pytest.approx([5.0, 3.0])
+    # Somebody who stays is in the way: as near as it leaves room.
+    beside, _ = goals(
+        f"{{id: a, start: [1, 5], {bench}, radius: 0.3}}",
+        "{id: b, start: [1, 1], goal: [3.7, 5], radius: 0.3}",
+    )
+    assert 0.6 < np.hypot(*(beside - [3.7, 5.0])) < 1.2
+    # Walls keep their distance, and nobody is drawn through them.
+    (corner,) = goals("{id: a, start: [5, 4], goal: {rectangle: [0, 0, 7, 1]}, radius: 0.3}")
+    assert corner == pytest.approx([5.0, 1.0])
+    (behind,) = goals("{id: a, start: [5, 4], goal: {rectangle: [8.6, 3, 12, 5]}, radius: 0.3}")
+    assert 8.6 <= behind[0] < 12.0
+
+
 def test_too_many_to_stay_are_refused() -> None:
     small = "{id: p, count: 9, start: {place: hall}, goal: {rectangle: [9, 2, 10, 3]}, radius: 0.3}"
     with pytest.raises(
