@@ -1,7 +1,7 @@
 """Drawings of CAD (``.dxf``): lines, polylines, arcs, circles, splines, solids and hatches, by layer.
 
-Lines are walls without thickness. Curves become chords within 5 mm, and
-what surely holds the curve is blocked. Blocks are inserted wherever they are used.
+Lines are walls without thickness, polylines with a width as wide as drawn. Curves become chords within 5 mm,
+and what surely holds the curve is blocked. Blocks are inserted wherever they are used.
 """
 
 from __future__ import annotations
@@ -182,21 +182,36 @@ class _Reader:
         if not is_floor and self.chosen and name not in self.chosen:
             return
         if kind in _FILLED:
-            corners = np.array([[p.x, p.y] for p in entity.wcs_vertices()])
-            (self.floors if is_floor else self.blocked).append(shapely.Polygon(corners))
+            self._fill(entity, is_floor=is_floor)
         elif kind == "HATCH":
             self._hatch(entity, is_floor=is_floor)
         elif kind in _LINES:
             self._line(entity, kind, is_floor=is_floor)
         else:
-            self.left[kind] = self.left.get(kind, 0) + 1
+            self._leave(kind)
+
+    def _leave(self, what: str) -> None:
+        self.left[what] = self.left.get(what, 0) + 1
+
+    def _fill(self, entity: Any, *, is_floor: bool) -> None:
+        corners = np.array([[p.x, p.y] for p in entity.wcs_vertices()])
+        (self.floors if is_floor else self.blocked).append(shapely.Polygon(corners))
 
     def _line(self, entity: Any, kind: str, *, is_floor: bool) -> None:
         if kind == "MLINE":
             for part in entity.virtual_entities():
                 self._line(part, part.dxftype(), is_floor=is_floor)
             return
+        if kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline):
+            # A surface: what is below or above its faces.
+            faces = [part for part in entity.virtual_entities() if part.dxftype() in _FILLED]
+            for face in faces:
+                self._fill(face, is_floor=is_floor)
+            if not faces:
+                self._leave("POLYLINE of a surface")
+            return
         path = require("ezdxf.path", "a DXF drawing", "maps").make_path(entity)
+        wide = _width(entity, kind)
         for part in path.sub_paths() if path.has_sub_paths else (path,):
             if len(part) == 0:
                 continue
@@ -204,6 +219,8 @@ class _Reader:
             if is_floor:
                 if part.is_closed and len(points) > 3:
                     self.floors.append(self._shrunk(shapely.Polygon(points), part.has_curves))
+            elif wide > 0:
+                self.blocked.append(_stroke(points, wide / 2 + self.sag * part.has_curves))
             elif part.has_curves:
                 self.blocked.append(thick(points, self.sag))
             else:
@@ -228,6 +245,30 @@ class _Reader:
     def _shrunk(self, area: Any, curved: bool) -> Any:
         """A floor that is inside its curved outline whatever the chords."""
         return shapely.buffer(area, -self.sag) if curved else area
+
+
+def _width(entity: Any, kind: str) -> float:
+    """How wide a polyline is drawn, where it is widest."""
+    if kind == "LWPOLYLINE":
+        if entity.dxf.get("const_width", 0.0):
+            return float(entity.dxf.const_width)
+        return max((max(start, end) for start, end in entity.get_points("se")), default=0.0)
+    if kind == "POLYLINE" and entity.is_2d_polyline:
+        usual = [entity.dxf.get(key, 0.0) for key in ("default_start_width", "default_end_width")]
+        own = [
+            vertex.dxf.get(key, 0.0)
+            for vertex in entity.vertices
+            for key in ("start_width", "end_width")
+        ]
+        return float(max(usual + own))
+    return 0.0
+
+
+def _stroke(points: FloatArray, reach: float) -> Any:
+    """The area of a line that is drawn wide; its ends are flat."""
+    if len(points) > 3 and (points[0] == points[-1]).all():
+        return shapely.buffer(shapely.linearrings(points), reach, join_style="mitre")
+    return shapely.buffer(shapely.linestrings(points), reach, cap_style="flat", join_style="mitre")
 
 
 DXF = ForeignFormat("DXF drawing", (".dxf",), read_dxf, frozenset({"layers", "floor"}))

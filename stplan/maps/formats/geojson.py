@@ -30,7 +30,9 @@ from stplan.optional import require
 # Properties that say of which kind a feature is, in this order.
 _KINDS = ("layer", "kind", "role", "type", "class", "category", "name")
 _BLOCKING = {"obstacle", "obstacles", "wall", "walls", "hole", "holes", "pillar", "keepout", "keep-out",
-             "keep_out", "blocked", "no-go", "forbidden"}  # fmt: skip
+             "keep_out", "blocked", "no-go", "forbidden", "building", "barrier"}  # fmt: skip
+_TAGS = ("building", "barrier", "obstacle", "wall")
+_YES: tuple[object, ...] = ("yes", True)
 # Of agents, in runs that were exported: no part of a map.
 TRAJECTORY = "trajectory"
 _DEPTH = {
@@ -97,6 +99,8 @@ def _features(tree: dict[str, Any]) -> Iterator[tuple[str, shapely.Geometry]]:
         properties = feature.get("properties")
         given = properties if isinstance(properties, dict) else {}
         kind = next((given[key] for key in _KINDS if isinstance(given.get(key), str)), "")
+        # As OpenStreetMap has it: `building: yes`.
+        kind = kind or next((key for key in _TAGS if given.get(key) in _YES), "")
         for shape in _shapes(geometry, path):
             count += 1
             if count > MOST_SHAPES:

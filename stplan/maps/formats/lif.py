@@ -36,7 +36,7 @@ def read_layout(file: FileContent, options: FileOptions, beside: Beside) -> Draw
             mapping(node, "nodePosition", f"{path}."), f"{path}.nodePosition"
         )
     lanes: list[Any] = []
-    limited = 0
+    limited = curved = 0
     for k, edge in enumerate(members(layout, "edges")):
         ends = [
             edge.get(key) if isinstance(edge, dict) else None
@@ -47,11 +47,11 @@ def read_layout(file: FileContent, options: FileOptions, beside: Beside) -> Draw
             raise FormatError(
                 f"edges[{k}] names the node {str(missing[0])[:40]!r}, which is not there"
             )
-        limited += any(
-            "maxSpeed" in one
-            for one in members(edge, "vehicleTypeEdgeProperties")
-            if isinstance(one, dict)
-        )
+        for_types = [
+            one for one in members(edge, "vehicleTypeEdgeProperties") if isinstance(one, dict)
+        ]
+        limited += any("maxSpeed" in one for one in for_types)
+        curved += any(one.get("trajectory") for one in for_types)
         lanes.append(shapely.LineString([nodes[str(end)] for end in ends]))
     if not lanes:
         raise FormatError("has no edges")
@@ -61,6 +61,8 @@ def read_layout(file: FileContent, options: FileOptions, beside: Beside) -> Draw
     notes = [f"lanes are {width:g} m wide (map.thickness)"]
     if limited:
         notes.append(f"speed limits of {limited} edges were left out")
+    if curved:
+        notes.append(f"trajectories of {curved} edges were left out: these lanes are straight")
     if len(layouts) > 1 and options.level is None:
         notes.append(
             f"is read in the layout {names[0]}; map.level chooses among the others: {', '.join(names[1:20])}"

@@ -26,6 +26,14 @@ from stplan.maps.formats.drawing import (
 from stplan.maps.formats.json_tree import mapping, members
 from stplan.maps.formats.yaml_file import read_yaml_mapping
 
+# What no scene has, by the key of a storey.
+_LEFT_OUT = {
+    "lanes": "lanes",
+    "models": "models of furniture",
+    "human_lanes": "lanes of people",
+    "ramps": "ramps",
+    "zones": "zones",
+}
 # m a pixel where a storey has no measurement, as the editor takes it.
 _PIXEL = 0.05
 
@@ -44,22 +52,24 @@ def read_building(file: FileContent, options: FileOptions, beside: Beside) -> Dr
     holes, more = repaired(level.areas("holes"), "holes", blocked=True)
     doors = level.lines("doors")
     walls = level.lines("walls") + ([] if options.doors else doors)
-    for key, what in (
-        ("lanes", "lanes"),
-        ("models", "models of furniture"),
-        ("human_lanes", "lanes of people"),
-    ):
-        count = len(members(level.tree, key))
-        if count:
-            more += (f"{count} {what} were left out",)
+    left = [
+        f"{count} {what}"
+        for key, what in _LEFT_OUT.items()
+        if (count := len(members(level.tree, key)))
+    ]
+    lifts = tree.get("lifts")
+    if lifts and isinstance(lifts, dict | list):
+        left.append(f"{len(lifts)} lifts")
+    notes: tuple[str, ...] = ()
     if doors:
-        more += (f"{len(doors)} doors are taken for {'open' if options.doors else 'closed'}",)
+        notes += (f"{len(doors)} doors are taken for {'open' if options.doors else 'closed'}",)
     if len(levels) > 1 and options.level is None:
         others = ", ".join(one for one in list(levels)[1:20])
-        more += (f"is read on the level {name}; map.level chooses among the others: {others}",)
+        notes += (f"is read on the level {name}; map.level chooses among the others: {others}",)
     return Drawing(
         floors=floors, blocked=holes, walls=tuple(walls), unit=level.unit, spots=level.spots,
         agents=level.robots, names=tuple(levels), mended=mended + more,
+        notes=(*notes, f"{', '.join(left)} were left out") if left else notes,
     )  # fmt: skip
 
 

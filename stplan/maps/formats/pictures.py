@@ -45,6 +45,8 @@ SUFFIXES = (
 LIGHT = 0.5
 # Of occupancy maps, the defaults of the map server.
 _FREE_BELOW = 0.25
+# The grey, of 255, of cells that nobody has seen.
+_UNKNOWN = 205
 _NOTHING = "has no free pixel: none is light enough"
 
 
@@ -98,7 +100,9 @@ def _free_pixels(picture: FileContent, tree: dict[str, Any], options: FileOption
         return percent <= 100 * finite(tree.get("free_thresh", _FREE_BELOW), "free_thresh")
     if mode not in ("trinary", "scale"):
         raise FormatError(f"mode is {str(mode)[:40]!r}; trinary, scale or raw is expected")
-    return occupied < finite(tree.get("free_thresh", _FREE_BELOW), "free_thresh")
+    free = occupied < finite(tree.get("free_thresh", _FREE_BELOW), "free_thresh")
+    # Map servers write this grey for unknown cells, and thresholds above it do not change that.
+    return free & (np.rint(light * 255) != _UNKNOWN)
 
 
 def _flag(value: Any) -> bool:
@@ -141,7 +145,9 @@ def _lightness(file: FileContent, behind: str = "white") -> FloatArray:
                 image = image_module.alpha_composite(paper, image)
             if image.mode.startswith(("I", "F")):
                 values = np.asarray(image, dtype=np.float64)
-                return values / (65535.0 if values.max() > 255 else 255.0)
+                # Whole numbers have 16 bits, whatever of these the picture uses; others say nothing.
+                deep = image.mode.startswith("I") or values.max() > 255
+                return values / (65535.0 if deep else 255.0)
             return np.asarray(image.convert("L"), dtype=np.float64) / 255.0
     except (FormatError, MemoryError):
         raise

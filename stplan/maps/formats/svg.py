@@ -26,19 +26,36 @@ from stplan.maps.formats.drawing import (
     FormatError,
     repaired,
 )
-from stplan.maps.formats.svg_shapes import colour_of, length_of, outlines, transform_of
+from stplan.maps.formats.svg_shapes import (
+    LIGHT,
+    Viewport,
+    colour_of,
+    length_of,
+    opacity_of,
+    outlines,
+    transform_of,
+    window_of,
+)
 from stplan.maps.formats.xml_tree import Element, read_xml
 
 # Elements in all, those that are used elsewhere counted as often as used.
 MOST_DRAWN = 50_000
-# How light a colour is at least to be floor, 0 to 1.
-_LIGHT = 0.5
+# Outlines of one path, where those that turn the same way overlap.
+MOST_OVERLAPPING = 300
+# What overlaps by less, a share of all, does not.
+_OVERLAP = 1e-9
 # Chords may be from curves so far, a share of the page.
 _SAG = 1e-4
 _SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
 _HIDDEN = ("defs", "symbol", "clipPath", "mask", "marker", "pattern", "metadata", "style", "title", "desc",
            "namedview", "linearGradient", "radialGradient", "filter", "script")  # fmt: skip
-_INHERITED = ("fill", "stroke", "stroke-width", "fill-rule", "visibility", "opacity")
+_INHERITED = ("fill", "stroke", "stroke-width", "stroke-linecap", "fill-rule", "fill-opacity",
+              "stroke-opacity", "visibility")  # fmt: skip
+_OWN = ("display", "opacity")
+# Of these, what is drawn is only a part.
+_CUT = ("clip-path", "mask")
+# Ends of strokes, as shapely names them.
+_CAPS = {"round": "round", "square": "square"}
 
 
 @dataclass(frozen=True)
@@ -47,8 +64,10 @@ class _Context:
 
     matrix: FloatArray
     style: Mapping[str, str]
+    viewport: Viewport
     names: tuple[str, ...] = ()
     depth: int = 0
+    opacity: float = 1.0
 
 
 def read_svg(file: FileContent, options: FileOptions, beside: Beside) -> Drawing:
@@ -62,10 +81,10 @@ def read_svg(file: FileContent, options: FileOptions, beside: Beside) -> Drawing
     start = np.array([[1.0, 0.0, -x], [0.0, -1.0, y + height], [0.0, 0.0, 1.0]])
     painter = _Painter(options, sag)
     walker = _Walker(root)
-    for element, context in walker.drawn(start):
+    for element, context in walker.drawn(start, (width, height)):
         painter.paint(element, context)
     page = shapely.box(0, 0, width, height) if width and height else None
-    left = [f"{count} <{tag}>" for tag, count in sorted(walker.left.items())]
+    left = [f"{count} {what}" for what, count in sorted(walker.left.items())]
     return painter.drawing(page, (f"{', '.join(left)} were left out",) if left else ())
 
 
@@ -89,12 +108,19 @@ class _Walker:
             one.attributes["id"]: one for one in _everything(root) if "id" in one.attributes
         }
         self.rules = _rules(root)
+        # What was left out, and how often.
         self.left: dict[str, int] = {}
+        for selector in self.rules:
+            if not re.fullmatch(r"\*|[.#]?[\w-]+|@.*", selector, re.DOTALL):
+                self._leave("selectors of more than one word in style sheets")
         self.count = 0
 
-    def drawn(self, matrix: FloatArray) -> Iterator[tuple[Element, _Context]]:
+    def drawn(self, matrix: FloatArray, viewport: Viewport) -> Iterator[tuple[Element, _Context]]:
         """Shapes with all that they inherit."""
-        yield from self._visit(self.root, _Context(matrix, {}), self.root)
+        yield from self._visit(self.root, _Context(matrix, {}, viewport), self.root)
+
+    def _leave(self, what: str) -> None:
+        self.left[what] = self.left.get(what, 0) + 1
 
     def _visit(
         self, element: Element, context: _Context, top: Element
@@ -112,11 +138,21 @@ class _Walker:
             return
         names = [element.attributes.get(key, "") for key in ("id", "label")]
         names += element.attributes.get("class", "").split()
+        matrix = transform_of(element.attributes.get("transform", ""), element.line)
+        viewport = context.viewport
+        if element.tag in ("svg", "symbol") and element is not self.root:
+            window, viewport = window_of(element, viewport)
+            matrix = matrix @ window
+        for key in _CUT:
+            if style.get(key, "none") != "none":
+                self._leave(f"{key} (what they cut off counts as drawn)")
         inner = _Context(
-            context.matrix @ transform_of(element.attributes.get("transform", ""), element.line),
+            context.matrix @ matrix,
             {key: style[key] for key in _INHERITED if key in style},
+            viewport,
             context.names + tuple(name.lower() for name in names if name),
             context.depth + 1,
+            context.opacity * opacity_of(style.get("opacity", "1")),
         )
         if element.tag in _SHAPES:
             yield element, replace(inner, style=style)
@@ -127,7 +163,7 @@ class _Walker:
                 if child.tag not in _HIDDEN:
                     yield from self._visit(child, inner, top)
         else:
-            self.left[element.tag] = self.left.get(element.tag, 0) + 1
+            self._leave(f"<{element.tag}>")
 
     def _used(
         self, element: Element, context: _Context, top: Element
@@ -137,17 +173,27 @@ class _Walker:
         if target is None:
             raise FormatError(f"uses {name[:40]!r}, which is not there", element.line)
         shift = np.eye(3)
-        shift[:2, 2] = [element.number("x", 0.0), element.number("y", 0.0)]
+        shift[:2, 2] = [
+            length_of(element.attributes.get(key, "0"), key, element.line, context.viewport)
+            for key in ("x", "y")
+        ]
+        if target.tag in ("svg", "symbol"):
+            sizes: dict[str, str] = {
+                key: element.attributes[key]
+                for key in ("width", "height")
+                if key in element.attributes
+            }
+            target = replace(target, attributes={**target.attributes, **sizes})
         yield from self._visit(target, replace(context, matrix=context.matrix @ shift), top)
 
     def _own_style(self, element: Element) -> dict[str, str]:
         style = {
             key: value
             for key, value in element.attributes.items()
-            if key in (*_INHERITED, "display")
+            if key in (*_INHERITED, *_OWN, *_CUT)
         }
-        for selector in (element.tag, *("." + one for one in element.attributes.get("class", "").split()),
-                         "#" + element.attributes.get("id", "")):  # fmt: skip
+        classes = ("." + one for one in element.attributes.get("class", "").split())
+        for selector in ("*", element.tag, *classes, "#" + element.attributes.get("id", "")):  # fmt: skip
             style |= self.rules.get(selector, {})
         return style | _declarations(element.attributes.get("style", ""))
 
@@ -164,7 +210,9 @@ def _rules(root: Element) -> dict[str, dict[str, str]]:
     """Simple selectors (a tag, a class, an id) of style sheets inside the drawing."""
     found: dict[str, dict[str, str]] = {}
     for sheet in root.all("style"):
-        for selectors, body in re.findall(r"([^{}]+)\{([^{}]*)\}", sheet.text):
+        for selectors, body in re.findall(
+            r"([^{}]+)\{([^{}]*)\}", re.sub(r"/\*.*?\*/", "", sheet.text, flags=re.DOTALL)
+        ):
             for selector in selectors.split(","):
                 found.setdefault(selector.strip(), {}).update(_declarations(body))
     return found
@@ -172,7 +220,7 @@ def _rules(root: Element) -> dict[str, dict[str, str]]:
 
 def _declarations(text: str) -> dict[str, str]:
     pairs = (part.partition(":") for part in text.split(";") if ":" in part)
-    return {key.strip(): value.strip() for key, _, value in pairs}
+    return {key.strip(): value.replace("!important", "").strip() for key, _, value in pairs}
 
 
 class _Painter:
@@ -195,29 +243,32 @@ class _Painter:
         if style.get("visibility") == "hidden":
             return
         self.names.update(dict.fromkeys(context.names))
-        lines, curved = outlines(element, context.matrix, self.sag)
+        lines, curved = outlines(element, context.matrix, self.sag, context.viewport)
         fill = _filled(lines, style.get("fill-rule") == "evenodd")
         if self.floor or self.chosen:
             self._by_name(context.names, lines, fill, style, curved=curved)
             return
-        light = colour_of(style.get("fill", "black"))
+        light = self._light(context, "fill", "black")
         if light is not None and not fill.is_empty and element.tag != "line":
-            is_floor = light >= _LIGHT
+            is_floor = light >= LIGHT
             grown = -self.sag if is_floor else self.sag
             self.painted.append((is_floor, shapely.buffer(fill, grown) if curved else fill))
-        light = colour_of(style.get("stroke", "none"))
-        if light is not None and light < _LIGHT:
+        light = self._light(context, "stroke", "none")
+        if light is not None and light < LIGHT:
             scale = float(np.sqrt(abs(np.linalg.det(context.matrix[:2, :2]))))
-            width = length_of(style.get("stroke-width", "1"), "stroke-width", element.line) * scale
-            reach = width / 2 + (self.sag if curved else 0.0)
-            for line in lines:
-                if len(line) > 1 and reach > 0:
-                    self.painted.append(
-                        (
-                            False,
-                            shapely.buffer(shapely.linestrings(line), reach, join_style="mitre"),
-                        )
-                    )
+            wide = length_of(
+                style.get("stroke-width", "1"), "stroke-width", element.line, context.viewport
+            )
+            reach = wide * scale / 2 + (self.sag if curved else 0.0)
+            caps = _CAPS.get(style.get("stroke-linecap", "butt"), "flat")
+            self.painted += [
+                (False, _stroke(line, reach, caps)) for line in lines if len(line) > 1 and reach > 0
+            ]
+
+    def _light(self, context: _Context, what: str, default: str) -> float | None:
+        """How light the fill or stroke of a shape is, None where it has none."""
+        opacity = opacity_of(context.style.get(f"{what}-opacity", "1")) * context.opacity
+        return colour_of(context.style.get(what, default), opacity)
 
     def _by_name(
         self,
@@ -282,22 +333,40 @@ def _in_turn(painted: list[tuple[bool, Any]]) -> Iterator[tuple[bool, Any]]:
             run = []
 
 
+def _stroke(line: FloatArray, reach: float, caps: str) -> Any:
+    """The area of a line; one that closes has no ends."""
+    if len(line) > 3 and (line[0] == line[-1]).all():
+        return shapely.buffer(shapely.linearrings(line), reach, join_style="mitre")
+    return shapely.buffer(shapely.linestrings(line), reach, cap_style=caps, join_style="mitre")
+
+
 def _filled(lines: list[FloatArray], even_odd: bool) -> Any:
-    """The area that outlines enclose: inner ones that turn the other way, or all with even-odd, are holes."""
+    """The area that outlines enclose: what they wind around, of both ways not as often; or an odd number."""
     rings = [shapely.Polygon(line) for line in lines if len(line) > 2]
-    if not rings:
-        return shapely.Polygon()
-    area = shapely.make_valid(rings[0], method="structure", keep_collapsed=False)
-    first = shapely.LinearRing(rings[0].exterior).is_ccw
-    for ring in rings[1:]:
-        shape = shapely.make_valid(ring, method="structure", keep_collapsed=False)
-        if even_odd:
-            area = shapely.symmetric_difference(area, shape)
-        elif shapely.LinearRing(ring.exterior).is_ccw == first:
-            area = shapely.union(area, shape)
-        else:
-            area = shapely.difference(area, shape)
-    return area
+    turns = [1 if shapely.LinearRing(ring.exterior).is_ccw else -1 for ring in rings]
+    shapes = shapely.make_valid(
+        np.array(rings, dtype=object), method="structure", keep_collapsed=False
+    )
+    by_turn = [[one for one, turn in zip(shapes, turns, strict=True) if turn == k] for k in (1, -1)]
+    whole = [shapely.union_all(np.array(some, dtype=object)) for some in by_turn]
+    total = float(shapely.area(shapes).sum())
+    if abs(total - sum(one.area for one in whole)) <= _OVERLAP * total:
+        return shapely.symmetric_difference(*whole)
+    if len(shapes) > MOST_OVERLAPPING:
+        raise FormatError(f"has a path of more than {MOST_OVERLAPPING} outlines that overlap")
+    # By how often their places are wound around.
+    areas: dict[int, Any] = {}
+    for shape, turn in zip(shapes, turns, strict=True):
+        parts = [(turn, shapely.difference(shape, shapely.union_all([*areas.values()])))]
+        for count, area in areas.items():
+            parts.append((count, shapely.difference(area, shape)))
+            parts.append((count + turn, shapely.intersection(area, shape)))
+        areas = {}
+        for count, area in parts:
+            if count and not area.is_empty:
+                areas[count] = shapely.union(areas.get(count, shapely.Polygon()), area)
+    found = [area for count, area in areas.items() if not even_odd or count % 2]
+    return shapely.union_all(np.array(found, dtype=object))
 
 
 SVG = ForeignFormat("SVG drawing", (".svg",), read_svg, frozenset({"layers", "floor"}))

@@ -21,7 +21,8 @@ from stplan.maps.formats.drawing import (
 )
 from stplan.maps.formats.json_tree import mapping, members, place, read_json_tree, ring
 
-_LEFT_OUT = ("stairs", "targetChangers", "absorbingAreas", "measurementAreas")
+_LEFT_OUT = ("stairs", "targetChangers", "absorbingAreas", "measurementAreas", "aerosolClouds",
+             "droplets")  # fmt: skip
 
 
 def read_scenario(file: FileContent, options: FileOptions, beside: Beside) -> Drawing:
@@ -63,6 +64,8 @@ def read_scenario(file: FileContent, options: FileOptions, beside: Beside) -> Dr
         for key in _LEFT_OUT
         if members(topography, key, path)
     ]
+    if topography.get("teleporter"):
+        left.append("a teleporter")
     return Drawing(
         floors=(floor,), blocked=blocked, regions=regions, mended=mended,
         notes=(f"{', '.join(left)} were left out",) if left else (),
