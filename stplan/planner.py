@@ -44,6 +44,7 @@ from stplan.report import (
     SeedReport,
 )
 from stplan.scene.model import Scene
+from stplan.scene.moving_goals import is_play
 from stplan.seeding.portfolio import Seed
 from stplan.status import Status
 
@@ -234,6 +235,10 @@ def prepare(scene: Scene, progress: Progress | None = None) -> PlanningProblem:
     require_options(scene.solver.ipopt)
     if scene.changes:
         raise UsageError(f"{scene.name} has events: `stplan solve` plans them, one after another")
+    if is_play(scene):
+        raise UsageError(
+            f"{scene.name} has goals that move: `stplan solve` plays it, round by round"
+        )
     problem = planning_problem.prepare_local(scene)
     _say_notes(scene, problem.written.free_space, progress or unheard)
     if scene.assignments or any(agent.goal_places for agent in scene.agents):

@@ -11,6 +11,7 @@ from platform import platform as platform_name
 from typing import TYPE_CHECKING, Any
 
 from stplan.analysis.arrival_gap import ArrivalGap
+from stplan.analysis.chases import Chases
 from stplan.analysis.cost_bound import CostBound
 from stplan.analysis.metrics import Metrics, metrics
 from stplan.certify.certificate import Certificate
@@ -117,6 +118,7 @@ class Report:
         bound: what the trajectories cost, and any others at least; None where only a seed was asked for.
         notes: what the user has to know about the map.
         arrivals: how fast the plan is; None where its cost was to be least.
+        chases: what became of goals that move; None where there are none.
     """
 
     scene: Scene
@@ -130,6 +132,7 @@ class Report:
     bound: CostBound | None = None
     notes: tuple[str, ...] = ()
     arrivals: ArrivalGap | None = None
+    chases: Chases | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """For report.json."""
@@ -162,6 +165,8 @@ class Report:
             content["bound"] = self.bound.as_dict()
         if self.arrivals is not None:
             content["arrivals"] = self.arrivals.as_dict()
+        if self.chases is not None:
+            content["chases"] = self.chases.as_dict()
         if self.improvement is not None:
             content["improvement"] = self.improvement.as_dict()
         return content

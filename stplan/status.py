@@ -26,6 +26,7 @@ class Status(StrEnum):
 
     SEEDED = "seeded"
     CONVERGED = "converged"
+    PLAYED = "played"
     LIMIT = (
         "limit",
         0,

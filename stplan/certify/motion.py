@@ -66,7 +66,7 @@ class Peak:
         return sentence
 
 
-def motion_peaks(agent: Agent, curve: FloatArray) -> list[Peak]:
+def motion_peaks(agent: Agent, curve: FloatArray, *, comes_to_rest: bool = True) -> list[Peak]:
     """Speed and acceleration of `curve` (n + 1, 3) where the agent has limits."""
     peaks = []
     step = np.diff(curve, axis=0)
@@ -77,7 +77,8 @@ def motion_peaks(agent: Agent, curve: FloatArray) -> list[Peak]:
         when = 0.5 * float(curve[worst, 2] + curve[worst + 1, 2])
         peaks.append(Peak(agent.id, "speed", agent.max_speed, float(speed[worst]), when))
     if agent.max_acceleration is not None:
-        before, rest = np.array(agent.start_velocity or (0.0, 0.0)), np.zeros(2)
+        before = np.array(agent.start_velocity or (0.0, 0.0))
+        rest = np.zeros(2) if comes_to_rest else velocity[-1]
         change = np.diff(np.vstack([before, velocity, rest]), axis=0)
         half = np.concatenate([[0.0], 0.5 * step[:, 2], [0.0]])
         longest = LONGEST_SHARE * float(curve[-1, 2] - curve[0, 2])

@@ -218,6 +218,8 @@ def _plan_lines(plan: Plan, files: list[Path], verbose: bool) -> list[str]:
     """A plan in a few lines."""
     metrics = plan.report.metrics
     lines = [f"{plan.scene.name}: {plan.status}", f"  {plan.certificate.summary}"]
+    if plan.report.chases is not None:
+        return [*lines, *(f"  {one}" for one in plan.report.chases.sentences), *_files_line(files)]
     figures = []
     if metrics.kinetic_over_straight is not None:
         ratio = metrics.kinetic_over_straight
@@ -234,10 +236,13 @@ def _plan_lines(plan: Plan, files: list[Path], verbose: bool) -> list[str]:
         lines += [f"  {spent}"]
     if plan.report.improvement is not None:
         lines.append(f"  {plan.report.improvement.sentence}")
-    if files:
-        names = " ".join(path.name for path in files)
-        lines.append(f"  {files[0].parent}{os.sep}: {names}")
-    return lines
+    return [*lines, *_files_line(files)]
+
+
+def _files_line(files: list[Path]) -> list[str]:
+    if not files:
+        return []
+    return [f"  {files[0].parent}{os.sep}: {' '.join(path.name for path in files)}"]
 
 
 def _agent_line(agent: AgentMetrics) -> str:

@@ -10,7 +10,9 @@ from stplan.analysis.detours import ways_alone
 from stplan.callbacks import Progress, unheard
 from stplan.certify.certificate import Certificate, certify
 from stplan.certify.history import certify_history
+from stplan.certify.play import certify_play
 from stplan.explain.arrivals import arrival_section
+from stplan.explain.chases import outcome_section
 from stplan.explain.costs import cost_section
 from stplan.explain.curves import curve_sections
 from stplan.explain.explanation import Explanation, Fact, Section
@@ -21,8 +23,12 @@ from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.problem.worlds import space_of, spaces_of, whole_scene
 from stplan.scene.model import Scene
+from stplan.scene.moving_goals import is_play
 from stplan.wording import count
 from stplan.world import fitted_free_space, warnings_of
+
+# Sections about ways to goals, of which there are none where goals move.
+ON_THEIR_WAY = ("waits", "late", "detours")
 
 
 def explain_run(
@@ -47,7 +53,9 @@ def explain_run(
     problem = PlanningProblem.from_scene(scene, space)
     for line in warnings_of(scene, problem.free_space):
         progress(line)
-    if happened.changes:
+    if is_play(happened):
+        certificate = certify_play(happened, problem.free_space, lines)
+    elif happened.changes:
         certificate = certify_history(happened, spaces_of(happened), lines)
     else:
         certificate = certify(scene, problem.free_space, lines)
@@ -63,6 +71,8 @@ def explain_run(
             for change in happened.changes
         ]
         sections.append(Section("events", "What happened on the way", "", facts))
+    if is_play(happened):
+        sections.append(outcome_section(happened, lines))
     if certificate.violations:
         lead = f"{count(len(certificate.violations), 'promise')} of the scene not kept:"
         facts = [*map(Fact, certificate.violations)]
@@ -73,8 +83,9 @@ def explain_run(
         )
     if certificate.pairs or certificate.walls or certificate.holds:
         crowd = Crowd.of_problem(problem, _in_scene_order(problem, lines))
-        sections += curve_sections(crowd, certificate, ways_alone(problem))
-    if certificate.holds and not happened.changes:
+        found = curve_sections(crowd, certificate, ways_alone(problem))
+        sections += [one for one in found if not (is_play(happened) and one.key in ON_THEIR_WAY)]
+    if certificate.holds and not happened.changes and not is_play(happened):
         ordered = _in_scene_order(problem, lines)
         if scene.minimise == "energy":
             sections.append(cost_section(cost_bound(problem.in_frame, ordered)))

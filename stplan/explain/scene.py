@@ -19,12 +19,15 @@ from stplan.callbacks import Progress, Stop, never, unheard
 from stplan.certify.places import distance_outside
 from stplan.errors import BROKEN_SEED, BrokenSeedError, SeedingError
 from stplan.explain.arrivals import arrival_section
+from stplan.explain.chases import wishes_section
 from stplan.explain.costs import cost_section
 from stplan.explain.curves import curve_sections
 from stplan.explain.explanation import Explanation, Fact, Section
 from stplan.planner import find_initial_curves, prepare
 from stplan.problem.planning_problem import PlanningProblem
+from stplan.problem.planning_problem import prepare as prepare_written
 from stplan.scene.model import Agent, Scene, SeedingSettings
+from stplan.scene.moving_goals import is_play
 from stplan.scene.places import Place
 from stplan.wording import at, count, headline, metres, names, sentences
 
@@ -46,6 +49,9 @@ def explain_scene(
     """
     seeding = replace(scene.seeding, time_limit=min(time_limit, scene.seeding.time_limit))
     scene = replace(scene, changes=())  # What happens on the way is not known when planning begins.
+    if is_play(scene):
+        sections = [population(prepare_written(scene)), wishes_section(scene)]
+        return Explanation(f"{scene.name}: a valid scene.", tuple(sections)), True
     problem = prepare(scene if time_limit <= 0 else replace(scene, seeding=seeding), progress)
     seen = problem.as_written
     alone = ways_alone(seen)

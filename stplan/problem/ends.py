@@ -1,4 +1,4 @@
-"""Scenes that leave ends open, as given curves end: in places, on assigned points, as late as need be."""
+"""Scenes that leave ends open, as given curves end: in places, on assigned points, when caught, or late."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import replace
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.horizon import with_chosen_horizon
 from stplan.scene.model import Agent, Scene
+from stplan.scene.moving_goals import is_play
 
 
 def ending_as(scene: Scene, lines: WorldLines) -> Scene:
@@ -15,6 +16,8 @@ def ending_as(scene: Scene, lines: WorldLines) -> Scene:
     Their places stay what they are. A horizon that is open ends with the latest arrival.
     """
     scene = lasting_as(scene, lines)
+    if is_play(scene):
+        return _played_as(scene, lines)
     assigned = {a for assignment in scene.assignments for a in assignment.members}
     free = [a for a, agent in enumerate(scene.agents) if agent.goal_places or a in assigned]
     if not free:
@@ -26,6 +29,29 @@ def ending_as(scene: Scene, lines: WorldLines) -> Scene:
         if curve is not None and len(curve):
             agents[a] = replace(agents[a], goal=(float(curve[-1, 0]), float(curve[-1, 1])))
     return replace(scene, agents=tuple(agents))
+
+
+def last_moment(lines: WorldLines) -> float:
+    """Until when anybody is there, s."""
+    return float(lines.knots[:, 2].max())
+
+
+def _played_as(scene: Scene, lines: WorldLines) -> Scene:
+    """A scene whose goals move, as if everybody had wanted to end as `lines` do: who is caught vanishes."""
+    curve_of = dict(zip(lines.agent_ids, lines.curves(), strict=True))
+    end = last_moment(lines)
+    agents = []
+    for agent in scene.agents:
+        curve = curve_of.get(agent.id)
+        own = agent
+        if curve is not None and len(curve):
+            x, y, t = curve[-1].tolist()
+            if t < end:
+                own = replace(own, after_arrival="vanish")
+            if t < end or agent.moving_goal is not None:
+                own = replace(own, goal=(x, y))
+        agents.append(replace(own, moving_goal=None))
+    return replace(scene, agents=tuple(agents), replan_every=None)
 
 
 def lasting_as(scene: Scene, lines: WorldLines) -> Scene:

@@ -20,9 +20,10 @@ from stplan.errors import BrokenSeedError, StoppedError
 from stplan.planned import Plan
 from stplan.problem.continuation import curves_of, joined_history
 from stplan.problem.world_lines import WorldLines
-from stplan.problem.worlds import spaces_of, whole_scene
+from stplan.problem.worlds import space_of, spaces_of, whole_scene
 from stplan.report import OptimisationReport
 from stplan.scene.model import Scene, WorldChange
+from stplan.scene.moving_goals import is_play
 from stplan.status import Status
 
 if TYPE_CHECKING:
@@ -39,8 +40,13 @@ def plan(
 ) -> Plan:
     """Plan `scene`, and mend the plan at each of its changes, of which it knew nothing before.
 
-    Raises like `planner.plan`; a SeedingError says at which change nothing was found.
+    A scene whose goals move is played instead, round by round. Raises like `planner.plan`; a SeedingError
+    says at which change nothing was found, or who did not get to its goal.
     """
+    if is_play(scene):
+        from stplan.replanning.playing import play_out
+
+        return play_out(scene, progress=progress or unheard, stop=stop or never)
     if not scene.changes:
         return planner.plan(scene, progress=progress, live=live, stop=stop, num_workers=num_workers)
     first = planner.plan(
@@ -101,6 +107,10 @@ def go_on(
 
 def check(scene: Scene, lines: WorldLines, *, progress: Progress | None = None) -> Certificate:
     """The certificate of any trajectories against `scene`, changes included. Raises like `planner.check`."""
+    if is_play(scene):
+        from stplan.certify.play import certify_play
+
+        return certify_play(scene, space_of(scene), lines)
     if not scene.changes:
         return planner.check(scene, lines, progress=progress)
     return certify_history(scene, spaces_of(scene), lines)

@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 from stplan.arrays import Point
 from stplan.maps.spec import MapSpec
+from stplan.scene.moving_goals import MovingGoal
 from stplan.scene.places import Assignment, Place
 from stplan.schema.hashing import added
 
@@ -53,7 +54,8 @@ class Agent:
     `clearance` (m) is wished for beyond the radius.
     `path`, where given, is the whole world line ((x, y, t), ...): the motion is prescribed, and
     `start`, `goal`, `start_time` and `max_time` repeat its ends. With `goal_places` the agent ends anywhere
-    in one of them, and `goal` is a point of them that planning begins with.
+    in one of them, and `goal` is a point of them that planning begins with. With a `moving_goal` it ends
+    wherever that leads, and `goal` repeats its start.
     """
 
     id: str
@@ -75,6 +77,7 @@ class Agent:
     goal_places: tuple[Place, ...] = added(())
     start_velocity: tuple[float, float] | None = added(None)
     start_duration: float = added(0.0)
+    moving_goal: MovingGoal | None = added(None)  # noqa: RUF009
 
     @property
     def starts_as_given(self) -> bool:
@@ -191,6 +194,7 @@ class Scene:
         minimise: what is to be least.
         horizon_rule: whether `horizon` is stated, yet to be chosen (and ample until then), or was chosen.
         changes: what becomes different on the way, in the order of time.
+        replan_every: how often goals that move are decided anew, s; None where there are none.
     """
 
     name: str
@@ -215,6 +219,7 @@ class Scene:
     minimise: Literal["energy", "arrivals", "makespan"] = added("energy")
     horizon_rule: Literal["stated", "auto", "chosen"] = added("stated")
     changes: tuple[WorldChange, ...] = added(())
+    replan_every: float | None = added(None)
 
     def agent_path(self, agent: int) -> str:
         """Where an agent stands in the file."""

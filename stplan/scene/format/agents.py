@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from stplan.maps.obstacles import CircleFile
+from stplan.scene.format.moving_goals import AgentGoal
 from stplan.scene.format.places import CrowdGoal, CrowdStartFile, Goal, Start, StartPlaceFile
 from stplan.schema.mapping import GIVEN, FileModel, key
 from stplan.schema.quantities import (
@@ -27,7 +28,8 @@ MOST_AGENTS = 10_000
 MOST_KNOTS = 100_000
 # Names of the kinds of an entry, as they stand in the places of pydantic's errors.
 KINDS = (
-    "@point", "@waypoint", "@place", "@agent", "@circle", "@line", "@grid", "@crowd", "@stream", "@file",
+    "@point", "@waypoint", "@place", "@moving", "@agent", "@circle", "@line", "@grid", "@crowd", "@stream",
+    "@file",
 )  # fmt: skip
 
 
@@ -122,8 +124,9 @@ class AgentFile(SharedFields):
     start: Annotated[Start | None, GIVEN] = key(
         "[x, y] in m at start_time, or a place it is drawn from; unless path is given"
     )
-    goal: Annotated[Goal | None, GIVEN] = key(
-        "[x, y] in m, reached exactly, by max_time, or places it ends in; unless path is given"
+    goal: Annotated[AgentGoal | None, GIVEN] = key(
+        "[x, y] in m, reached exactly, by max_time, or places it ends in, or others that it follows, "
+        "pursues or evades; unless path is given"
     )
     path: Annotated[
         Annotated[list[Knot], Field(min_length=2, max_length=MOST_KNOTS)] | None, GIVEN

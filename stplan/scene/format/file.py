@@ -15,6 +15,7 @@ from stplan.scene.format.agents import MOST_AGENTS, AgentEntry, SharedFields
 from stplan.scene.format.events import MOST_EVENTS, EventFile
 from stplan.scene.format.places import MOST_PLACES, PlaceFile
 from stplan.scene.model import Objective, SeedingMethod, SeedingSettings, SolverSettings
+from stplan.scene.moving_goals import REPLAN_EVERY
 from stplan.schema.mapping import GIVEN as _GIVEN
 from stplan.schema.mapping import FileModel as _Model
 from stplan.schema.mapping import key as _key
@@ -201,6 +202,9 @@ class SceneFile(_Model):
         "T^max of agents without max_time, and how long agents stay, s; "
         "may be left out where every agent has a max_time or a path; "
         "auto, where arrivals or makespan are minimised: as long as it takes"
+    )
+    replan_every: Annotated[Positive | None, _GIVEN] = _key(
+        "how often goals that move are decided anew, s", REPLAN_EVERY
     )
     time_scale: Annotated[float | Literal["auto"], Or(Positive, "auto")] = Field(
         "auto",

@@ -26,6 +26,7 @@ from stplan.scene.format.agents import (
 from stplan.scene.format.file import GroupFile, PairFile, SceneFile
 from stplan.scene.format.places import PlaceFile, StartPlaceFile
 from stplan.scene.model import Agent, Scene, SeedingSettings, SolverSettings
+from stplan.scene.moving_goals import is_play
 from stplan.scene.places import Assignment, Place
 from stplan.scene.presets import PRESETS
 from stplan.scene.reading.crowds import assigned_points
@@ -33,6 +34,7 @@ from stplan.scene.reading.draws import with_drawn_starts
 from stplan.scene.reading.faults import Hints
 from stplan.scene.reading.haste import haste_faults, latest_time, with_long_horizon
 from stplan.scene.reading.merge import merged_agent
+from stplan.scene.reading.moving_goals import capture_faults, moving_faults, with_captures
 from stplan.scene.reading.overlaps import overlap_faults
 from stplan.scene.reading.pair_rules import Placed, group_rules, meeting_faults, pair_rules
 from stplan.scene.reading.passing import passed_places, with_passed_points
@@ -172,6 +174,7 @@ def compile_scene(
         horizon=max((agent.max_time for agent in agents), default=1.0)
         if file.horizon is None
         else latest_time(file.horizon) or 1.0,
+        replan_every=file.replan_every,
         horizon_rule="auto" if file.horizon == "auto" else "stated",
         minimise=file.minimise,
         time_scale=1.0 if time_scale == "auto" else time_scale,
@@ -188,6 +191,7 @@ def compile_scene(
     )
     scene = with_long_horizon(scene)
     faults += haste_faults(scene, file.defaults)
+    faults += moving_faults(scene, file.defaults, hints)
     # Places of agents that have faults themselves would only make followers of these.
     if not any(path.startswith(PLACED) for path, _ in faults):
         full: list[Fault] = []
@@ -197,6 +201,9 @@ def compile_scene(
         )
         faults += full or overlap_faults(scene)
         faults += meeting_faults(scene, [rule.path for rule in rules])
+    if is_play(scene) and not faults:
+        faults += capture_faults(scene)
+        scene = with_captures(scene)
     return scene, faults
 
 

@@ -9,10 +9,13 @@ from stplan.amounts import distinct
 from stplan.amounts import place as in_full
 from stplan.arrays import Point
 from stplan.scene.format.agents import AgentFile, SharedFields, WaypointFile
+from stplan.scene.format.moving_goals import MovingGoalFile
 from stplan.scene.format.places import GoalPlaceFile, StartPlaceFile
 from stplan.scene.model import Agent, Visit, Weights
+from stplan.scene.moving_goals import MovingGoal
 from stplan.scene.places import Place
 from stplan.scene.reading.faults import Hints
+from stplan.scene.reading.moving_goals import moving_goal
 from stplan.scene.reading.patterns import Listed
 from stplan.scene.reading.places import Places
 from stplan.schema.mapping import Fault
@@ -83,6 +86,7 @@ class _Merge:
         """The agent; with new faults it must not be used."""
         own = self._own
         path: tuple[tuple[float, float, float], ...] | None = None
+        moving: MovingGoal | None = None
         weights = self._weights()
         if own.path is not None:
             path = tuple((x, y, t) for x, y, t in own.path)
@@ -97,7 +101,10 @@ class _Merge:
         else:
             goal_places = self._goal_places()
             start = self._end("start")
-            goal = goal_places[0].points[0] if goal_places else self._end("goal")
+            if isinstance(own.goal, MovingGoalFile):
+                moving, goal = self._moving_goal(own.goal), start
+            else:
+                goal = goal_places[0].points[0] if goal_places else self._end("goal")
             start_time, max_time = self._times(horizon)
             entries = self._value("waypoints", [])
             waypoints = tuple(self._waypoint(k, entry) for k, entry in enumerate(entries))
@@ -129,6 +136,7 @@ class _Merge:
             goal_places=goal_places,
             start_velocity=start_velocity,
             start_duration=start_duration,
+            moving_goal=moving,
         )
 
     def _weights(self) -> Weights:
@@ -171,6 +179,10 @@ class _Merge:
         if not isinstance(goal, GoalPlaceFile):
             return ()
         return self._places.of_goal(goal, self._listed.place("goal"), self._faults, self._hints)
+
+    def _moving_goal(self, entry: MovingGoalFile) -> MovingGoal | None:
+        path = self._listed.place("goal")
+        return moving_goal(entry, path, self._places, self._faults, self._hints)
 
     def _start_velocity(self, max_speed: float | None) -> tuple[float, float] | None:
         value = self._value("start_velocity", None)

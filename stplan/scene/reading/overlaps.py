@@ -22,7 +22,10 @@ def overlap_faults(scene: Scene) -> list[Fault]:
     times = np.array([agent.start_time for agent in scene.agents])
     # Those whose goals are places get spots of their own.
     stays = np.array(
-        [agent.after_arrival == "stay" and not agent.goal_places for agent in scene.agents]
+        [
+            agent.after_arrival == "stay" and not agent.goal_places and agent.moving_goal is None
+            for agent in scene.agents
+        ]
     )
     starts = np.array([agent.start for agent in scene.agents])
     goals = np.array([agent.goal for agent in scene.agents])

@@ -1,0 +1,180 @@
+"""What became of goals that move: who was caught, how near followers stayed, how near pursuers came."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from stplan.amounts import amount
+from stplan.arrays import FloatArray
+from stplan.problem.continuation import curves_of
+from stplan.problem.world_lines import WorldLines
+from stplan.scene.model import Agent, Scene
+from stplan.scene.moving_goals import REPLAN_EVERY
+
+
+@dataclass(frozen=True)
+class Capture:
+    """Who was caught, by whom, and when (s)."""
+
+    prey: str
+    pursuer: str
+    time: float
+
+    @property
+    def sentence(self) -> str:
+        """In words."""
+        return f"{self.pursuer} catches {self.prey} at {amount(self.time)} s"
+
+
+@dataclass(frozen=True)
+class Escort:
+    """How well an agent follows another.
+
+    Attributes:
+        since: when it is near enough first, s; None where it never is.
+        share: of the time from then on in which it is near enough.
+        furthest: from then on, m between centres.
+    """
+
+    follower: str
+    leader: str
+    within: float
+    since: float | None
+    share: float
+    furthest: float
+
+    @property
+    def sentence(self) -> str:
+        """In words."""
+        if self.since is None:
+            return f"{self.follower} never comes within {amount(self.within)} m of {self.leader}"
+        return (
+            f"{self.follower} is within {amount(self.within)} m of {self.leader} first at "
+            f"{amount(self.since)} s, and for {amount(100.0 * self.share)} % of the time from then on; "
+            f"at most {amount(self.furthest)} m away"
+        )
+
+
+@dataclass(frozen=True)
+class Evasion:
+    """How an agent that evades fared: who came nearest, how near (m between centres), and when (s)."""
+
+    prey: str
+    pursuer: str
+    distance: float
+    time: float
+    caught: bool
+
+    @property
+    def sentence(self) -> str:
+        """In words."""
+        ended = "is caught" if self.caught else "is never caught"
+        return (
+            f"{self.prey} {ended}; {self.pursuer} comes within {amount(self.distance)} m of it, "
+            f"at {amount(self.time)} s"
+        )
+
+
+@dataclass(frozen=True)
+class Chases:
+    """What became of the goals that move of a scene."""
+
+    replan_every: float
+    captures: tuple[Capture, ...]
+    escorts: tuple[Escort, ...]
+    evasions: tuple[Evasion, ...]
+
+    @property
+    def sentences(self) -> list[str]:
+        """In words, captures in the order of time."""
+        kinds: tuple[Sequence[Capture | Escort | Evasion], ...] = (
+            self.captures,
+            self.escorts,
+            self.evasions,
+        )
+        return [one.sentence for kind in kinds for one in kind]
+
+    def as_dict(self) -> dict[str, Any]:
+        """For report.json."""
+        return asdict(self)
+
+
+def chases(scene: Scene, lines: WorldLines) -> Chases:
+    """What became of the goals that move of `scene` as `lines` (in any order) were executed."""
+    curves = curves_of(lines)
+    end = float(lines.knots[:, 2].max())
+    agents = {agent.id: agent for agent in scene.agents}
+    caught, escorts, evasions = [], [], []
+    for agent in scene.agents:
+        curve = curves[agent.id]
+        goal = agent.moving_goal
+        if curve[-1, 2] < end:
+            hunters = [
+                (_distance(curve, curves[one.id])[-1], one.id)
+                for one in _pursuers(agents, agent.id)
+            ]
+            if hunters:
+                caught.append(Capture(agent.id, min(hunters)[1], float(curve[-1, 2])))
+        if goal is not None and goal.kind == "follow":
+            escorts.append(_escort(agent, curve, goal.others[0], curves[goal.others[0]]))
+        if goal is not None and goal.kind == "evade":
+            evasions.append(_evasion(agent, curves, end))
+    caught.sort(key=lambda one: (one.time, one.prey))
+    every = scene.replan_every or REPLAN_EVERY
+    return Chases(every, tuple(caught), tuple(escorts), tuple(evasions))
+
+
+def _pursuers(agents: dict[str, Agent], prey: str) -> list[Agent]:
+    return [
+        one
+        for one in agents.values()
+        if one.moving_goal is not None
+        and one.moving_goal.kind == "pursue"
+        and prey in one.moving_goal.others
+    ]
+
+
+def _times(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Knots of either curve while both are there, s."""
+    times = np.union1d(one[:, 2], other[:, 2])
+    first, last = max(one[0, 2], other[0, 2]), min(one[-1, 2], other[-1, 2])
+    return np.asarray(times[(times >= first) & (times <= last)])
+
+
+def _distance(one: FloatArray, other: FloatArray) -> FloatArray:
+    """(n,) between centres at `_times`, m."""
+    times = _times(one, other)
+    gaps = [
+        np.interp(times, one[:, 2], one[:, x]) - np.interp(times, other[:, 2], other[:, x])
+        for x in range(2)
+    ]
+    return np.asarray(np.hypot(*gaps))
+
+
+def _escort(agent: Agent, curve: FloatArray, leader: str, other: FloatArray) -> Escort:
+    """How well an agent follows, between knots by the distances at them."""
+    within = agent.moving_goal.within if agent.moving_goal is not None else 0.0
+    times, distance = _times(curve, other), _distance(curve, other)
+    near = distance <= within
+    if not near.any():
+        return Escort(agent.id, leader, within, None, 0.0, float(distance.max()))
+    k = int(near.argmax())
+    return Escort(
+        agent.id, leader, within, float(times[k]), float(near[k:].mean()), float(distance[k:].max())
+    )
+
+
+def _evasion(agent: Agent, curves: dict[str, FloatArray], end: float) -> Evasion:
+    """How near whoever is evaded came, at knots."""
+    curve = curves[agent.id]
+    found = []
+    for name in agent.moving_goal.others if agent.moving_goal is not None else ():
+        distance = _distance(curve, curves[name])
+        k = int(distance.argmin())
+        found.append((float(distance[k]), name, float(_times(curve, curves[name])[k])))
+    least, name, time = min(found)
+    return Evasion(agent.id, name, least, time, bool(curve[-1, 2] < end))

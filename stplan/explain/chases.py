@@ -1,0 +1,39 @@
+"""Goals that move in words: what everybody wants of whom, and what became of it."""
+
+from __future__ import annotations
+
+from stplan.amounts import amount
+from stplan.analysis.chases import chases
+from stplan.explain.explanation import Fact, Section
+from stplan.problem.world_lines import WorldLines
+from stplan.scene.model import Scene
+from stplan.scene.moving_goals import REPLAN_EVERY, MovingGoal
+from stplan.wording import names
+
+
+def wishes_section(scene: Scene) -> Section:
+    """What everybody whose goal moves wants of whom."""
+    facts = [
+        Fact(f"{agent.id} {_wish(agent.moving_goal)}")
+        for agent in scene.agents
+        if agent.moving_goal is not None
+    ]
+    every = amount(scene.replan_every or REPLAN_EVERY)
+    lead = f"The scene is played: every {every} s all decide anew, by where the others are then:"
+    return Section("chases", "Goals that move", lead, facts)
+
+
+def _wish(goal: MovingGoal) -> str:
+    whom = names(goal.others)
+    if goal.kind == "follow":
+        return f"follows {whom}, to within {amount(goal.within)} m"
+    if goal.kind == "pursue":
+        return f"pursues {whom}, and catches within {amount(goal.capture)} m"
+    where = [str(place) for place in goal.places]
+    return f"evades {whom}" + (f", to {names(where)}" if where else "")
+
+
+def outcome_section(scene: Scene, lines: WorldLines) -> Section:
+    """What became of the goals that move of `scene` as `lines` were executed."""
+    facts = [*map(Fact, chases(scene, lines).sentences)]
+    return Section("chases", "What became of goals that move", "In the order of time:", facts)
