@@ -32,6 +32,7 @@ from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.report import OptimisationReport, versions
 from stplan.scene.model import Scene
+from stplan.scene.moving_goals import is_play
 from stplan.status import Status
 
 SEED, TRAJECTORIES = "seed.npz", "trajectories.npz"
@@ -87,6 +88,8 @@ def read_run(folder: Path, scene: Scene) -> FinishedRun:
     report = read_json(folder / REPORT)
     if report.get("scene", {}).get("hash") != scene.content_hash:
         raise UsageError(f"{scene.source} is not as it was when {folder} was planned; plan it anew")
+    if is_play(scene):
+        raise UsageError(f"{folder}: what was played is past improvement")
     if scene.changes:
         raise UsageError(f"{folder}: what was executed while its world changed is past improvement")
     file = read_npz(folder / TRAJECTORIES)

@@ -158,6 +158,10 @@ def improve(
     """
     if result.trajectories is None:
         return result
+    if result.report.chases is not None:
+        raise UsageError(
+            f"{result.scene.name} has goals that move: what was played is past improvement"
+        )
     from stplan.improvement import search
 
     clock = Clock()

@@ -30,6 +30,7 @@ from stplan.replanning.execution import check, go_on
 from stplan.report import Report, RunRecord, SeedReport
 from stplan.scene import load_scene
 from stplan.scene.model import Scene, WorldChange
+from stplan.scene.moving_goals import is_play
 from stplan.scene.reading.load import read_text
 from stplan.scene.reading.overrides import apply_overrides
 from stplan.schema.yaml_tree import read_tree
@@ -112,6 +113,8 @@ def open_continuation(folder: Path, events: Sequence[Any]) -> Continuation:
         raise UsageError(
             f"{recorded.source} is not as it was when {folder} was planned; plan it anew"
         )
+    if is_play(before):
+        raise UsageError(f"{folder} was played, and events do not go together with goals that move")
     tree = read_tree(read_text(recorded.source), str(recorded.source))
     apply_overrides(tree, recorded.overrides)
     old = tree.value.get(KEY, [])

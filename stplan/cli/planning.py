@@ -165,12 +165,15 @@ def _plan_one(
     """Plan a scene, write its files and fill its record."""
     from stplan import planner
     from stplan.replanning import execution
+    from stplan.scene.moving_goals import is_play
 
     def progress(line: str) -> None:
         console.progress(prefix + line)
 
     if budget is not None and scene.changes:
         raise UsageError(f"{scene.name} has events: what is executed with them is past improvement")
+    if budget is not None and is_play(scene):
+        raise UsageError(f"{scene.name} has goals that move: what is played is past improvement")
     stop = StopRequest()
     with answered_by(stop.make):
         if seed_only:

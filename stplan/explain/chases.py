@@ -36,4 +36,4 @@ def _wish(goal: MovingGoal) -> str:
 def outcome_section(scene: Scene, lines: WorldLines) -> Section:
     """What became of the goals that move of `scene` as `lines` were executed."""
     facts = [*map(Fact, chases(scene, lines).sentences)]
-    return Section("chases", "What became of goals that move", "In the order of time:", facts)
+    return Section("chases", "What became of goals that move", "When it was played:", facts)

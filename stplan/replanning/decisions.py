@@ -28,6 +28,8 @@ CLEAR_SHARES = (1.0, 0.75, 0.5, 0.25)
 NEARER = 0.6
 # Whoever evades wants so many captures between itself and its pursuers on the way.
 BERTH = 1.5
+# How long before them it wants to be there, s; where there is no such spot, at all.
+MARGINS = (0.3, 0.0)
 # How often ways are looked for again over those spots alone that are reached before the pursuers.
 ROUNDS = 4
 # What takes longer, s, is as good as never.
@@ -160,25 +162,34 @@ class Decisions:
             ],
             axis=0,
         )
-        usable = np.ones(len(ground.spots), dtype=bool)
-        for _ in range(ROUNDS):
-            own = ground.distances_to(self._places[a], usable).of_spots / _speed(agent)
-            lead = np.where(np.isfinite(own), theirs - own, -np.inf)
-            safe = usable & (lead > 0.0)
-            if (safe == usable).all() or not safe.any():
+        refuge = self._field.refuges.get(a)
+        for margin in MARGINS:
+            usable, lead = self._before(a, theirs - margin)
+            among = usable & (lead > 0.0)
+            among = among if refuge is None else among & refuge
+            worth = theirs if refuge is None else lead
+            if among.any():
                 break
-            usable = safe
-        worth = np.minimum(theirs, FOREVER)
-        among = safe
-        if a in self._field.refuges:
-            among, worth = among & self._field.refuges[a], np.minimum(lead, FOREVER)
-        if not among.any():
-            own = self._from(ground, a).of_spots / _speed(agent)
+        else:
             usable = np.ones(len(ground.spots), dtype=bool)
-            among, worth = np.isfinite(own), np.minimum(theirs - own, FOREVER)
-        best = int(np.argmax(np.where(among, worth, -np.inf)))
+            own = self._from(ground, a).of_spots / _speed(agent)
+            among, worth = np.isfinite(own), theirs - own
+        best = int(np.argmax(np.where(among, np.minimum(worth, FOREVER), -np.inf)))
         way = ground.distances_to(ground.spots[best], usable)
         return Wish(way, 0.0, tuple(others), BERTH * reach)
+
+    def _before(self, a: int, theirs: FloatArray) -> tuple[BoolArray, FloatArray]:
+        """Spots (N,) to which `a` gets before times (N,), all the way, and how long before (s)."""
+        ground, speed = self._grounds[a], _speed(self._agents[a])
+        usable = np.ones(len(ground.spots), dtype=bool)
+        for _ in range(ROUNDS):
+            own = ground.distances_to(self._places[a], usable).of_spots / speed
+            lead = np.where(np.isfinite(own), theirs - own, -np.inf)
+            safe = usable & (lead > 0.0)
+            if (safe == usable).all():
+                break
+            usable = safe
+        return usable, lead
 
 
 def _speed(agent: Agent) -> float:

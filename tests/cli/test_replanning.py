@@ -22,6 +22,9 @@ def test_the_page_does_what_it_says(run, monkeypatch, tmp_path) -> None:
     assert "At 8 s eve broke down." in said["stplan explain outputs/late-robot"]
     assert "certificate holds" in said["stplan check outputs/closed-door"]
     assert "certificate holds" in said["stplan check mended/bottleneck"]
+    assert "white catches hare at 7.381 s" in said["stplan explain outputs/two-wolves"]
+    slow = said["stplan solve scenes/chases/slow-wolf.yaml"]
+    assert "hare is never caught; grey comes within 1.326 m of it" in slow
 
 
 def test_a_wish_without_a_way_leaves_everything_and_says_why(run, monkeypatch, tmp_path) -> None:
@@ -39,3 +42,37 @@ def test_a_wish_without_a_way_leaves_everything_and_says_why(run, monkeypatch, t
     for wrong in (words[:2], (*words[:2], "--at", "3"), (*words[:2], "--set", wall)):
         assert run(*wrong).status == 2
     assert run("improve", "plans/closed-door", "--budget", "1").status == 0
+
+
+HUNT = """\
+stplan: 1
+name: hunt
+horizon: 3
+map: {rectangle: [0, 0, 8, 6]}
+defaults: {radius: 0.3, max_speed: 2}
+agents:
+  - {id: fox, start: [1, 1], goal: {pursue: hare}}
+  - {id: hare, start: [3, 2], goal: {evade: fox}, max_speed: 0.5}
+"""
+
+
+def test_what_was_played_is_looked_at_but_neither_replanned_nor_improved(
+    run, monkeypatch, tmp_path
+):
+    monkeypatch.chdir(tmp_path)
+    Path("hunt.yaml").write_text(HUNT, encoding="utf-8")
+    assert "fox pursues hare, and catches within 0.9 m" in run("explain", "hunt.yaml").out
+    assert "fox catches hare at" in run("solve", "hunt.yaml", "-o", "runs").out
+    assert "certificate holds" in run("check", "runs/hunt").out
+    before = sorted(path.stat().st_mtime_ns for path in Path("runs").rglob("*"))
+    for words, sentence in {
+        ("seed", "hunt.yaml", "-o", "runs"): "`stplan solve` plays it",
+        ("solve", "hunt.yaml", "-o", "runs", "--improve", "1"): "past improvement",
+        ("improve", "runs/hunt", "--budget", "1"): "past improvement",
+        ("replan", "runs/hunt", "--at", "1", "--set", "agents.fox.max_speed=1"): "was played",
+    }.items():
+        result = run(*words)
+        assert result.status == 2
+        assert sentence in result.err
+    assert sorted(path.stat().st_mtime_ns for path in Path("runs").rglob("*")) == before
+    assert run("plot", "runs/hunt", "-o", "hunt.svg").status == 0

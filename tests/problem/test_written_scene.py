@@ -17,7 +17,7 @@ from tests.test_commuting import DETAILED, Copy
 
 # What has no unit, or is no business of planning.
 BARE = {
-    Agent: {"id", "after_arrival"},
+    Agent: {"id", "after_arrival", "moving_goal"},
     Weights: {"kinetic", "collision", "wall", "clearance"},
     PairRule: {"left", "right", "collide", "collision"},
     SolverSettings: {
@@ -28,7 +28,7 @@ BARE = {
     Scene: {
         "name", "description", "source", "content_hash", "seeding", "locations", "overridden",
         "overrides", "agent_paths", "places", "assignments", "metric", "turning", "minimise",
-        "horizon_rule", "changes",
+        "horizon_rule", "changes", "replan_every",
     },
 }  # fmt: skip
 EVERYTHING = (

@@ -15,8 +15,9 @@ from tests.claims.plans import SCENES, planned
 
 # Scenes that take more than a few seconds are planned by `make claims` only.
 LARGE = {
-    "aircraft/first-class", "circle/circle-20", "circle/circle-25", "circle/circle-30",
-    "circle/circle-35", "crowds/counterflow", "crowds/evacuation", "crowds/lecture-hall",
+    "aircraft/first-class", "chases/herd", "chases/slow-wolf", "circle/circle-20",
+    "circle/circle-25", "circle/circle-30", "circle/circle-35",
+    "crowds/counterflow", "crowds/evacuation", "crowds/lecture-hall",
     "crowds/platform-exchange", "crowds/stadium-mouth", "flash-mob/flash-mob", "mazes/corn", "mazes/rings",
     "meadow/meadow",
     "tight/cabin", "tight/door", "tight/parking-lot", "tight/warehouse",
@@ -46,7 +47,14 @@ def test_scene_says_what_it_shows(name: str) -> None:
     assert len(first) > 20
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+OPTIMISED = [
+    pytest.param(name, marks=pytest.mark.claims) if name in LARGE else name
+    for name in NAMES
+    if not name.startswith("chases/")
+]
+
+
+@pytest.mark.parametrize("name", OPTIMISED)
 def test_time_is_split_into_evaluation_and_the_rest(name: str) -> None:
     optimisation = planned(name).run.optimisation
     assert optimisation is not None

@@ -10,6 +10,7 @@ from typing import Any
 from stplan.errors import SceneError
 from stplan.scene.format.events import EventFile
 from stplan.scene.model import Scene, WorldChange
+from stplan.scene.moving_goals import is_play
 from stplan.scene.reading.overrides import set_value
 from stplan.schema.mapping import Fault
 
@@ -56,6 +57,8 @@ def compile_events(
     if scene.minimise != "energy" or scene.horizon_rule == "auto":
         text = "need a horizon that is stated, and go with `minimise: energy` alone"
         return (), [("events", text)]
+    if is_play(scene):
+        return (), [("events", "do not go together with goals that move")]
     plain = [deepcopy(entry) for entry in tree.get("events", [])]
     for k, event in enumerate(events):
         moment = moments.setdefault(event.at, _Moment(path=f"events[{k}]"))
@@ -132,6 +135,8 @@ def _unfit(scene: Scene, known: set[str], moment: _Moment, at: float) -> list[Fa
         for name, _ in moment.delays
         if name in names and names[name].path is not None
     ]
+    if is_play(scene):
+        faults.append((moment.path, "events and goals that move do not go together"))
     if any(rule.meet for rule in scene.pairs):
         faults.append((moment.path, "events and pairs that meet do not go together"))
     return faults

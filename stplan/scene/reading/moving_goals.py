@@ -112,9 +112,10 @@ def moving_faults(scene: Scene, defaults: SharedFields, hints: Hints) -> list[Fa
 
 def _unfit(scene: Scene, agent: Agent) -> Sequence[tuple[str, str]]:
     """Keys of an agent that have no meaning in a play, and why."""
+    if agent.path is not None:
+        return [("path", "nobody moves on a path")]
     begin = scene.agents[0].start_time
     given = [
-        ("path", "nobody moves on a path", agent.path is not None),
         ("waypoints", "nobody has waypoints", bool(agent.waypoints)),
         ("after_arrival", "nobody vanishes on arrival", agent.after_arrival == "vanish"),
         ("start_velocity", "everybody starts at rest", agent.start_velocity is not None),

@@ -59,6 +59,7 @@ def test_defaults():
         "max_acceleration": None,
         "start_velocity": None,
         "start_duration": 0.0,
+        "moving_goal": None,
         "visits": (),
         "clearance": 0.0,
         "goal_places": (),
