@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stplan.errors import SceneError
+from stplan.planner import prepare
 from stplan.scene import parse_scene
 from stplan.scene.model import Scene
 from stplan.scene.places import Place
@@ -159,3 +160,58 @@ def test_faults_of_streams() -> None:
     assert fault.startswith("agents[0].allowed_time: cannot be said beside max_time")
     (fault,) = faults(stream.replace("hall", "hell") + "[2, 9]}")
     assert fault.startswith("agents[0].source.place: is 'hell'")
+
+
+ALONE = "{id: a, start: [1, 1], goal: "
+STREAM = "{id: s, source: {place: hall}, goal: {place: east}, "
+
+
+@pytest.mark.parametrize(
+    ("agent", "message"),
+    [
+        (
+            ALONE + "{rectangle: [20, 0, 22, 2]}}",
+            "agents[0].goal: the place has no point that a disc of 0.2 m can reach",
+        ),
+        (
+            ALONE + "{line: [[0, 0.1], [9, 0.1]]}}",
+            "agents[0].goal: the place has no point that a disc of 0.2 m can reach",
+        ),
+        (ALONE + "{any: []}}", "agents[0].goal.any: is a list of 0; at least 1"),
+        (ALONE + "{any: [east, est]}}", "agents[0].goal.any[1]: is 'est', which is none"),
+        (ALONE + "east}", "agents[0].goal: is 'east'; a point [x, y] in m is expected"),
+        (ALONE + "{polygon: []}}", "agents[0].goal.polygon: is a list of 0; at least 3"),
+        (
+            ALONE + "{polygon: [[6, 1], [7, 1], [8, 1]]}}",
+            "agents[0].goal.polygon: has no area",
+        ),
+        (ALONE + "{line: [[6, 1], [6, 1]]}}", "agents[0].goal.line: is a single point"),
+        (
+            ALONE + "[9, 1], waypoints: [{place: pond, at: [1, 1]}]}",
+            "agents[0].waypoints[0]: has both at and place",
+        ),
+        (
+            ALONE + "[9, 1], waypoints: [{place: pond, window: [9, 3]}]}",
+            "agents[0].waypoints[0].window: reaches from 9 s to 3 s",
+        ),
+        (STREAM + "rate: 0, during: [0, 9]}", "agents[0].rate: is 0; more than 0 is expected"),
+        (STREAM + "rate: -1, during: [0, 9]}", "agents[0].rate: is -1; more than 0 is expected"),
+        (STREAM + "rate: .inf, during: [0, 9]}", "agents[0].rate: is inf; a finite number"),
+        (STREAM + "rate: 1}", "agents[0].during: is missing"),
+        (STREAM + "rate: 1, during: [40, 50]}", "start_time: is 40 s; less than the horizon 40 s"),
+        (
+            "{id: p, count: 2, start: {place: hall}, goal: {assign: [[9, 1], [19, 1]]}}",
+            "agents[0][1].goal: (19, 1) lies outside the free space of the map",
+        ),
+    ],
+)
+def test_what_nobody_means_is_refused_where_it_stands(agent: str, message: str) -> None:
+    with pytest.raises(SceneError) as error:
+        prepare(
+            parse_scene(
+                HALL.replace("agents:", "defaults: {radius: 0.2}\nagents:") + f"  - {agent}\n"
+            )
+        )
+    first = error.value.messages[0]
+    assert first.startswith("scene:10:")
+    assert message in first
