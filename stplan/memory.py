@@ -8,16 +8,24 @@ would be stopped by the system in the middle of its work, so it is refused at on
 
 from __future__ import annotations
 
-import resource
+import importlib
 import sys
 from pathlib import Path
+from types import ModuleType
 
+from stplan import windows
 from stplan.errors import SceneError
+
+try:
+    resource: ModuleType | None = importlib.import_module("resource")
+except ImportError:
+    # Windows.
+    resource = None
 
 MIB = 2**20
 # Bytes of the program and its compiled kernels; of a knot without any contact: its blocks in Ipopt's
 # matrix and their factors; of a pair of agents: its settings and its range, both ways round.
-PROGRAM = 200 * MIB
+PROGRAM = 160 * MIB
 A_KNOT = 6000
 A_PAIR = 150
 
@@ -47,12 +55,16 @@ def _amount(size: float) -> str:
 
 def peak() -> int:
     """The most resident memory this process has had, in bytes."""
-    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    if resource is None:
+        return windows.peak_memory()
+    most: int = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return most if sys.platform == "darwin" else 1024 * most
 
 
 def available() -> float:
     """Bytes this process may have: what the system, its container and its own limit leave."""
+    if resource is None:
+        return windows.physical_memory()[1]
     own, _ = resource.getrlimit(resource.RLIMIT_AS)
     own_limit = float("inf") if own == resource.RLIM_INFINITY else float(own)
     return min(

@@ -25,6 +25,7 @@ from stplan.batch.outcome import Outcome, RunState
 from stplan.batch.runs import Run
 from stplan.batch.worker import ONE_THREAD, execute
 from stplan.errors import UsageError
+from stplan.signal_masks import held, release
 from stplan.stopping import StopRequest
 
 # Seconds a worker has to give back its best so far, once its time is over or it is interrupted.
@@ -113,14 +114,13 @@ class _Pool:
         context = multiprocessing.get_context("spawn")
         ours, theirs = context.Pipe()
         process = context.Process(target=_serve, args=(theirs, self._timeout), daemon=True)
-        # A Ctrl-C waits until the newborn can ignore it.
-        mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
-            process.start()
+            # A Ctrl-C waits until the newborn can ignore it.
+            with held(signal.SIGINT):
+                process.start()
         except OSError as error:
             raise UsageError(f"cannot start a worker process: {error.strerror or error}") from error
         finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
             theirs.close()
         worker = _Worker(process, ours)
         self._workers.append(worker)
@@ -209,16 +209,17 @@ def death(exit_code: int) -> str:
         name = signal.Signals(-exit_code).name
     except ValueError:
         name = f"signal {-exit_code}"
-    memory = -exit_code == signal.SIGKILL
-    return f"was killed by {name}" + (", as systems do when memory runs out" if memory else "")
+    memory = ", as systems do when memory runs out" if name == "SIGKILL" else ""
+    return f"was killed by {name}{memory}"
 
 
 def _serve(connection: Connection, timeout: float | None) -> None:
     """The worker: plans the runs that come out of the pipe until it is closed."""
     # Ctrl-C at a terminal reaches every process of its group; the batch decides what ends.
-    os.setpgrp()
+    if hasattr(os, "setpgrp"):
+        os.setpgrp()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    release(signal.SIGINT)
     os.environ.update(ONE_THREAD)
     threading.Thread(target=_die_with_the_batch, daemon=True).start()
     ended = False

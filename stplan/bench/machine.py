@@ -7,6 +7,7 @@ import platform
 from datetime import date
 from pathlib import Path
 
+from stplan import windows
 from stplan.report import versions
 
 
@@ -32,4 +33,6 @@ def processor() -> str:
 
 
 def _memory_gib() -> float:
+    if not hasattr(os, "sysconf"):
+        return windows.physical_memory()[0] / 2**30
     return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30

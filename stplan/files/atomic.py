@@ -89,7 +89,9 @@ def _make_folder(folder: Path, made: list[Path]) -> None:
 
 def _write_flushed(path: Path, content: bytes) -> None:
     # Opened by hand for the permissions that the user's umask asks for; tempfile insists on 0600.
-    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+    # Windows would write lines its own way without being asked for bytes.
+    binary: int = getattr(os, "O_BINARY", 0)
+    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | binary, 0o666)
     with os.fdopen(descriptor, "wb") as stream:
         stream.write(content)
         stream.flush()

@@ -21,6 +21,7 @@ from typing import Protocol
 import numpy as np
 
 from stplan.optimize.parts import DividedProblem, Part, PartResult
+from stplan.signal_masks import held, release
 
 # Seconds after which a request to stop is noticed at the latest.
 _TICK = 0.2
@@ -150,14 +151,12 @@ class _Pool:
         ours, theirs = context.Pipe()
         others = [ours, *(worker.connection for worker in self._workers)]
         process = context.Process(target=self._serve, args=(theirs, others), daemon=True)
-        mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
         try:
-            with warnings.catch_warnings():
+            with held(signal.SIGINT, signal.SIGTERM), warnings.catch_warnings():
                 # Threads of libraries that know how to be forked.
                 warnings.simplefilter("ignore", DeprecationWarning)
                 process.start()
         finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
             theirs.close()
         return _Worker(process, ours)
 
@@ -166,7 +165,7 @@ class _Pool:
         # Ctrl-C at a terminal reaches every process of its group; this one is asked to stop instead.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT, signal.SIGTERM})
+        release(signal.SIGINT, signal.SIGTERM)
         for other in others:
             other.close()
         problem, shape = self._problem, self._problem.knots.shape
