@@ -103,6 +103,7 @@ def test_strangers_are_refused() -> None:
     scene = changing("at: 5, remove: ann")
     found = check(scene, ann=AHEAD, sam=ASIDE, bob=[[0, 3, 0], [8, 3, 8]])
     assert found.violations == ("bob: is not in the scene",)
+    assert (found.ignored_pairs, found.ignored_walls, found.pairs) == (0, 0, ())
 
 
 def test_who_has_arrived_is_in_the_way_of_what_happens_later() -> None:
@@ -123,6 +124,8 @@ def test_speed_is_held_to_the_limit_of_then() -> None:
     assert check(scene, ann=AHEAD, sam=ASIDE).violations == (
         "ann: speed 1 m/s at t = 4 s; at most 0.5 m/s is allowed",
     )
+    (peak,) = check(scene, ann=[[0, 0, 0], [8, 0, 20]], sam=ASIDE).limits
+    assert (peak.allowed, peak.reached, peak.time) == (0.5, 0.4, 10.0)
     hasty = [[0, 0, 0], [4, 0, 3], [8, 0, 12]]
     (sentence,) = check(scene, ann=hasty, sam=ASIDE).violations
     assert sentence == "ann: speed 1.33333 m/s at t = 1.5 s; at most 1 m/s is allowed"

@@ -61,6 +61,17 @@ def test_acceleration_from_rest_to_rest(curve, greatest, when) -> None:
     assert sentence.startswith("a: acceleration ")
 
 
+def test_accelerations_are_the_same_whenever_they_happen() -> None:
+    scene = parse_scene(
+        "stplan: 1\nhorizon: 110\nagents:\n"
+        "  - {id: a, start: [0, 0], goal: [8, 0], start_time: 100, max_acceleration: 8}\n"
+    )
+    curve = np.array([[0, 0, 100], [1, 0, 104], [7, 0, 106], [8, 0, 110.0]])
+    (peak,) = certify(scene, None, WorldLines.from_curves(["a"], [curve])).limits
+    assert peak.reached == pytest.approx(2.75 / 1.25)
+    assert peak.time == 104
+
+
 def test_an_acceleration_cannot_be_hidden_in_long_segments() -> None:
     # From rest to rest, 8 m in 4 s take at least 4 * 8 / 4^2 = 2 m/s2, however few knots say so.
     for knots in (2, 3, 5, 9, 41):

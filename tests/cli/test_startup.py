@@ -10,6 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from stplan import planner
+from stplan.scene import load_scene
+
 ROOT = Path(__file__).parents[2]
 PROGRAM = """
 import json, sys
@@ -70,8 +73,8 @@ def test_validating_needs_no_kernels_and_no_solver(place):
 
 
 def test_planning_in_the_open_needs_no_library_of_maps(place):
-    # A first time, because compiling kernels takes more than loading them does.
-    loaded_by("solve", "open.yaml", "-q", cwd=place)
+    # Once here, because compiling kernels takes more than loading them does.
+    planner.plan(load_scene(place / "open.yaml"))
     loaded = loaded_by("solve", "open.yaml", "-q", cwd=place)
     assert loaded >= {"numba", "ipopt_wrapper"}
     assert not loaded & (SCIPY | MESHES | PICTURES | {"shapely"})
@@ -80,7 +83,7 @@ def test_planning_in_the_open_needs_no_library_of_maps(place):
 
 
 def test_planning_between_plain_walls_needs_no_library_of_meshes(place):
-    loaded_by("solve", "walled.yaml", "-q", cwd=place)
+    planner.plan(load_scene(place / "walled.yaml"))
     loaded = loaded_by("solve", "walled.yaml", "-q", cwd=place)
     assert "shapely" in loaded
     assert not loaded & (MESHES | PICTURES | {"scipy.optimize"})
