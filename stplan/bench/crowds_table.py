@@ -46,5 +46,5 @@ def _row(draws: Sequence[CrowdSolve]) -> tuple[str, ...]:
         f"{max(seconds):.1f}",
         f"{draws[0].asked:g}",
         number(float(max(one.length_over_least for one in draws)), ".4f"),
-        ", ".join(sorted({one.found_by or "none" for one in draws})),
+        "; ".join(sorted({one.found_by or "none" for one in draws})),
     )

@@ -48,7 +48,7 @@ def test_the_table_counts_certified_plans() -> None:
     (row,) = [line for line in text.splitlines() if line.startswith("| grid room")]
     cells = [cell.strip() for cell in row.strip("|").split("|")]
     assert cells[1:7] == ["40", "2 of 3", "12.0", "60.0", "10", "-"]
-    assert cells[7] == "none, search (emptying)"
+    assert cells[7] == "none; search (emptying)"
     assert csv_text([DRAW]).splitlines()[0].startswith("family,agents,draw,seconds,asked")
 
 
