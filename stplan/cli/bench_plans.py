@@ -12,7 +12,7 @@ from stplan.cli.bench_crowds import app
 from stplan.cli.command import command
 from stplan.cli.console import Console
 
-__all__ = ["app", "features", "paper", "quality", "repulsion"]
+__all__ = ["app", "features", "paper", "quality", "replan", "repulsion"]
 
 
 @command(benchmarks, without=NO_JSON)
@@ -156,3 +156,35 @@ def repulsion(
     return finish(
         console, output, repulsion.files(repulsion.measure(files, progress=console.progress))
     )
+
+
+@command(benchmarks, without=NO_JSON)
+def replan(
+    console: Console,
+    *,
+    output: Output = FOLDER,
+    scene: Annotated[
+        Path, typer.Option(metavar="SCENE", help="Whose plan is mended, besides that of a crowd.")
+    ] = Path("scenes/tight/warehouse.yaml"),
+    draws: Annotated[int, typer.Option(min=1, help="Events of every kind.")] = 20,
+    afresh: Annotated[
+        int, typer.Option(min=0, help="So many of them beside plans made afresh.")
+    ] = 3,
+    full: Full = False,
+) -> int:
+    """How quickly plans are mended when somebody is late, is sent elsewhere, or a door closes.
+
+    Writes replanning.csv and replanning.md: processor times, how many mended plans are certified or refused,
+    and their cost beside plans made afresh. With --full a crowd of a hundred too.
+
+    \b
+    Examples:
+      stplan bench replan
+      stplan bench replan --full --draws 100
+    """
+    from stplan.bench import replanning
+    from stplan.scene import load_scene
+
+    scenes = [load_scene(scene)] + ([replanning.crowd_scene()] if full else [])
+    measured = replanning.measure(scenes, draws, afresh, progress=console.progress)
+    return finish(console, output, replanning.files(measured))

@@ -19,6 +19,7 @@ from stplan.errors import UsageError
 from stplan.stopping import StopRequest
 
 if TYPE_CHECKING:
+    from stplan.analysis.precedence import Endurance
     from stplan.problem.world_lines import WorldLines
     from stplan.scene.model import Scene
 
@@ -46,28 +47,42 @@ def check(
     fps: Annotated[
         float | None, typer.Option(help="Frames a second, where trajectories do not say.")
     ] = None,
+    delay: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SECONDS",
+            help="Also whether any one agent may stop for so long, if all keep the order of passing.",
+        ),
+    ] = None,
+    order: Annotated[
+        Path | None,
+        typer.Option(
+            "--precedence", metavar="FILE", help="Write who passes which spot before whom (JSON)."
+        ),
+    ] = None,
 ) -> int:
     """Certify trajectories against a scene, or against a map.
 
     In continuous time, and whoever wrote them: a .csv, a .npz or the folder of a run; text or SQLite of
     JuPedSim and PedPy, tables with other columns, MCAP, GeoJSON. Against a map of any format that is read
     (docs/formats.md), everybody is taken to be there from the first place to the last.
-    Exit status 0 when the certificate holds, 1 when it is broken.
+    Exit status 0 when the certificate holds, 1 when it is broken, or a delay is not survived.
 
     \b
     Examples:
       stplan check outputs/bottleneck
       stplan check scenes/bottleneck/bottleneck.yaml outputs/bottleneck/seed.csv
       stplan check hall.wkt walkers.txt --radius 0.2
+      stplan check outputs/bottleneck --delay 2.0 --precedence order.json
     """
-    for name, value in (("--radius", radius), ("--fps", fps)):
+    for name, value in (("--radius", radius), ("--fps", fps), ("--delay", delay)):
         if value is not None and not (math.isfinite(value) and value > 0):
             raise UsageError(f"{name} is {value}; expected a number above 0")
     if trajectories is not None and _is_map(run_or_scene):
         from stplan.imports.tracks import scene_of_tracks
 
         judged = scene_of_tracks(run_or_scene, trajectories, radius or 0.3, fps)
-        return _certified(console, *judged, changed=False)
+        return _certified(console, *judged, changed=False, delay=delay, order=order)
     if radius is not None:
         raise UsageError("--radius is for maps; in a scene every agent has its own")
     scene, lines, changed = _scene_and_lines(
@@ -78,7 +93,7 @@ def check(
             f"{run_or_scene} is not the folder of a run, so name the trajectories too: "
             f"stplan check {run_or_scene} TRAJECTORIES"
         )
-    return _certified(console, scene, lines, changed=changed)
+    return _certified(console, scene, lines, changed=changed, delay=delay, order=order)
 
 
 def _is_map(path: Path) -> bool:
@@ -95,17 +110,56 @@ def _is_map(path: Path) -> bool:
     return suffix in (*SUFFIXES, *MESHES)
 
 
-def _certified(console: Console, scene: Scene, lines: WorldLines, *, changed: bool) -> int:
-    """Say whether a certificate holds; the exit status."""
+def _certified(
+    console: Console,
+    scene: Scene,
+    lines: WorldLines,
+    *,
+    changed: bool,
+    delay: float | None,
+    order: Path | None,
+) -> int:
+    """Say whether a certificate holds, and what a delay does; the exit status."""
     from stplan.replanning import execution
 
     certificate = execution.check(scene, lines, progress=console.progress)
     if changed:
         console.progress(f"note: {scene.source} is not as it was when this run was planned")
     console.result(f"{scene.name}: {certificate.summary}", *certificate.violations)
+    content = {"scene_changed": changed, **certificate.as_dict()}
     status = 0 if certificate.holds else 1
-    console.result_json({"exit_status": status, "scene_changed": changed, **certificate.as_dict()})
+    if certificate.holds and (delay is not None or order is not None):
+        from stplan.analysis.precedence import endurance, precedence
+        from stplan.files.atomic import write_set
+        from stplan.files.json_file import json_bytes
+        from stplan.problem.continuation import curves_of
+        from stplan.problem.worlds import whole_scene
+
+        whole = whole_scene(scene, curves_of(lines)) if scene.changes else scene
+        found = precedence(whole, lines)
+        if order is not None:
+            write_set(order.parent, {order.name: json_bytes(found.as_dict())})
+        if delay is not None:
+            tried = endurance(found, delay)
+            console.result(*_sentences(tried))
+            content["delay"] = tried.as_dict()
+            status = 0 if tried.survives else 1
+    console.result_json({"exit_status": status, **content})
     return status
+
+
+def _sentences(tried: Endurance) -> list[str]:
+    """What a delay does, a sentence a line."""
+    if not tried.survives:
+        return [
+            f"  a stop of {tried.delay:g} s is not survived",
+            *(f"  {one}" for one in tried.broken),
+        ]
+    head = f"  any one agent may stop for {tried.delay:g} s if all keep the order of passing"
+    if not tried.late:
+        return [f"{head}; nobody else is late"]
+    who, by, whose = tried.late[0]
+    return [f"{head}; {len(tried.late)} are late then, {who} most: {by:.3g} s where {whose} stops"]
 
 
 @command(app)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 from pathlib import Path
@@ -25,6 +26,13 @@ def test_the_page_does_what_it_says(run, monkeypatch, tmp_path) -> None:
     assert "white catches hare at 7.381 s" in said["stplan explain outputs/two-wolves"]
     slow = said["stplan solve scenes/chases/slow-wolf.yaml"]
     assert "hare is never caught; grey comes within 1.326 m of it" in slow
+    (survived,) = (out for command, out in said.items() if "--delay" in command)
+    assert "any one agent may stop for 2 s if all keep the order of passing" in survived
+    order = json.loads(Path("order.json").read_text(encoding="utf-8"))
+    assert order["passings"]
+    assert not order["touching"]
+    assert all(one["slack"] >= 0.0 for one in order["passings"])
+    assert run("check", "plans/bottleneck", "--delay", "-1").status == 2
 
 
 def test_a_wish_without_a_way_leaves_everything_and_says_why(run, monkeypatch, tmp_path) -> None:
