@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import importlib
 import sys
+import time
 from pathlib import Path
 from types import ModuleType
 
@@ -59,6 +60,22 @@ def peak() -> int:
         return windows.peak_memory()
     most: int = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return most if sys.platform == "darwin" else 1024 * most
+
+
+def total_peak() -> int:
+    """The same of this process and the largest of its children that have ended, where the system says so."""
+    if resource is None:
+        return peak()
+    most: int = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+    return peak() + (most if sys.platform == "darwin" else 1024 * most)
+
+
+def processor_time() -> float:
+    """Of this process and its children that have ended, s; of this one where the system says no more."""
+    if resource is None:
+        return time.process_time()
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + float(children.ru_utime + children.ru_stime)
 
 
 def available() -> float:

@@ -179,6 +179,7 @@ class OptimisationTimes:
     Attributes:
         whole: of the stage.
         objective, hessian: of evaluating the objective with its gradient, and the Hessian.
+        parts: of processor time for parts that were optimised on their own, by whomever.
     """
 
     iterations: int
@@ -188,6 +189,7 @@ class OptimisationTimes:
     evaluations: int
     refused_steps: int
     hessian_nonzeros: int
+    parts: float = 0.0
 
     @staticmethod
     def of(optimised: Optimisation, seconds: float) -> OptimisationTimes:
@@ -195,7 +197,7 @@ class OptimisationTimes:
         watch = optimised.watch
         return OptimisationTimes(
             optimised.iterations, seconds, watch.objective, watch.hessian, watch.evaluations,
-            watch.refused, optimised.nonzeros,
+            watch.refused, optimised.nonzeros, watch.parts,
         )  # fmt: skip
 
     @property
@@ -213,6 +215,7 @@ class OptimisationTimes:
                 "hessian": self.hessian,
                 "evaluation": self.evaluation,
                 "linear_solve_and_rest": self.whole - self.evaluation,
+                "parts": self.parts,
             },
             "evaluations": self.evaluations,
             "refused_steps": self.refused_steps,

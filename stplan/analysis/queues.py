@@ -29,8 +29,8 @@ from stplan.arrays import BoolArray, FloatArray, IntArray
 
 # Cells of the grid of instants: fewer where many agents would have more pairs of cells than so many.
 CELLS, FEWEST_CELLS, MOST_PAIRS = 96, 24, 120_000
-# Sweeps over the multipliers of one cell, steps of the prices, at how many of which the bound is looked at.
-SWEEPS, STEPS, LOOKS = 30, 100, 10
+# Sweeps over the multipliers of one cell, and steps of the prices.
+SWEEPS, STEPS = 30, 100
 # Which parts of a way (before e, between e and f, after f) the four constraints are about.
 PARTS = ((1,), (0, 1), (1, 2), (0, 1, 2))
 # Durations at least, s: multipliers of shorter ones would be without bounds.
@@ -108,8 +108,7 @@ def queue_bound(passers: Passers) -> float:
         moved = np.maximum(momentum + STRIDE * softness * mean * slope, 0.0)
         momentum = np.maximum(moved + step / (step + 3.0) * (moved - prices), 0.0)
         prices = moved
-        if (step + 1) % (STEPS // LOOKS) == 0:
-            best = max(best, pieces.bound(prices))
+        best = max(best, pieces.bound(prices))
     return best
 
 

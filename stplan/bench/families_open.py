@@ -58,16 +58,38 @@ def crowd(starts: FloatArray, goals: FloatArray, duration: float, **changes: obj
     )
 
 
+class _Places:
+    """Points that keep apart from each other, found through a grid of which a cell holds one at most."""
+
+    def __init__(self, apart: float) -> None:
+        self._apart, self._cell = apart, apart / np.sqrt(2.0)
+        self._points: dict[tuple[int, int], FloatArray] = {}
+
+    def take(self, point: FloatArray) -> bool:
+        """Keep a point if it is more than `apart` m from all others; whether it was kept."""
+        column, row = (int(x) for x in np.floor(point / self._cell))
+        near = [
+            found
+            for i in range(column - 2, column + 3)
+            for j in range(row - 2, row + 3)
+            if (found := self._points.get((i, j))) is not None
+        ]
+        if near and np.hypot(*(np.array(near) - point).T).min() <= self._apart:
+            return False
+        self._points[column, row] = point
+        return True
+
+
 def scattered(
     rng: np.random.Generator, count: int, low: FloatArray, high: FloatArray, apart: float
 ) -> FloatArray:
     """`count` random points in a box, pairwise more than `apart` m from one another."""
-    points = np.empty((0, 2))
+    places, points = _Places(apart), list[FloatArray]()
     while len(points) < count:
         point = rng.uniform(low, high)
-        if not len(points) or np.hypot(*(points - point).T).min() > apart:
-            points = np.vstack([points, point])
-    return points
+        if places.take(point):
+            points.append(point)
+    return np.array(points).reshape(-1, 2)
 
 
 def open_field(count: int, density: float, rng_seed: int = 0, radius: float = 0.5) -> Scene:
@@ -78,6 +100,26 @@ def open_field(count: int, density: float, rng_seed: int = 0, radius: float = 0.
     starts = scattered(rng, count, *box, 2.2 * radius)
     goals = scattered(rng, count, *box, 2.2 * radius)
     return crowd(starts, goals, side, radius=radius)
+
+
+def wide_field(
+    count: int,
+    density: float = 0.06,
+    rng_seed: int = 0,
+    radius: float = 0.5,
+    longest: float = 60.0,
+) -> Scene:
+    """The same with ways of at most `longest` m, 1 m/s for the longest."""
+    rng = np.random.default_rng(rng_seed)
+    side = float(np.sqrt(count * np.pi * radius**2 / density))
+    starts = scattered(rng, count, np.zeros(2), np.full(2, side), 2.2 * radius)
+    places, goals = _Places(2.2 * radius), list[FloatArray]()
+    while len(goals) < count:
+        angle, length = rng.uniform(0.0, 2.0 * np.pi), longest * np.sqrt(rng.uniform())
+        goal = starts[len(goals)] + length * np.array([np.cos(angle), np.sin(angle)])
+        if (goal >= 0.0).all() and (goal <= side).all() and places.take(goal):
+            goals.append(goal)
+    return crowd(starts, np.array(goals), longest, radius=radius)
 
 
 def crossing_flows(

@@ -161,11 +161,12 @@ def door(rng: np.random.Generator, *, per_side: int = 0) -> Scene:
     return make_scene("door", outer, obstacles, journeys, horizon=horizon)
 
 
-def warehouse(rng: np.random.Generator, *, robots: int = 0) -> Scene:
+def warehouse(
+    rng: np.random.Generator, *, robots: int = 0, columns: int = 5, rows: int = 4
+) -> Scene:
     """10 to 30 robots move between random spots of single-lane aisles around blocks of shelves."""
     robots = robots or int(rng.integers(10, 31))
     lane = RADIUS * float(rng.uniform(2.3, 2.8))
-    columns, rows = 5, 4
     width, height = 5.0 * RADIUS, 3.0 * RADIUS
     outer = rectangle(0.0, 0.0, columns * (width + lane) + lane, rows * (height + lane) + lane)
     obstacles = []

@@ -63,15 +63,25 @@ def run(scene: Scene, stop: Stop | None = None) -> tuple[SolveFigures, Plan | No
     """Plan `scene`, until `stop` at most, and write its files to a folder that is removed again."""
     started = time.perf_counter()
     try:
-        planned = plan(scene, stop=stop)
+        planned = written_plan(scene, stop)
     except SeedingError as error:
         reason = str(error).splitlines()[0]
         seconds = time.perf_counter() - started
         failed = SolveFigures(len(scene.agents), status=f"failed: {reason}", total_seconds=seconds)
         return failed, None
+    return measured(planned, time.perf_counter() - started), planned
+
+
+def written_plan(scene: Scene, stop: Stop | None = None, num_workers: int = 1) -> Plan:
+    """The plan of `scene`, its files written to a folder that is removed again.
+
+    Raises:
+        SeedingError: no initial curves were found.
+    """
+    planned = plan(scene, stop=stop, num_workers=num_workers)
     with tempfile.TemporaryDirectory() as folder:
         write_plan(planned, Path(folder))
-    return measured(planned, time.perf_counter() - started), planned
+    return planned
 
 
 def measured(planned: Plan, total_seconds: float) -> SolveFigures:

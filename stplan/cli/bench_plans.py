@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from stplan.cli.bench import FOLDER, NO_JSON, Full, Output, TimeLimit, benchmarks, finish, names_in
-from stplan.cli.bench_crowds import app
+from stplan.cli.bench_scale import app
 from stplan.cli.command import command
 from stplan.cli.console import Console
 

@@ -33,12 +33,17 @@ LEAST_DAMPING = 0.1
 
 @dataclass
 class Stopwatch:
-    """Seconds spent in evaluations; never part of a repeatable file."""
+    """Seconds spent in evaluations; never part of a repeatable file.
+
+    Attributes:
+        parts: s of processor time that parts of a problem took which were optimised on their own.
+    """
 
     objective: float = 0.0
     hessian: float = 0.0
     evaluations: int = 0
     refused: int = 0
+    parts: float = 0.0
 
 
 class StepControl:

@@ -13,6 +13,7 @@ import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.callbacks import Stop, unheard
+from stplan.compiled import working_time
 from stplan.costs.formulation import TermSetup
 from stplan.costs.registry import build_terms
 from stplan.nlp.step_control import Stopwatch
@@ -95,8 +96,13 @@ class DividedProblem:
 
     def optimised(self, part: Part) -> PartResult | None:
         """Like `optimise`, with everybody left where they are."""
+        begun = working_time()
         found = self._optimised(part, None)
-        return None if found is None else _result(*found)
+        if found is None:
+            return None
+        result = _result(*found)
+        result.watch.parts = working_time() - begun
+        return result
 
     def _optimised(self, part: Part, live: LiveLine | None) -> tuple[IntArray, Optimisation] | None:
         solver = self.problem.scene.solver
@@ -226,3 +232,4 @@ def _add(watch: Stopwatch, other: Stopwatch) -> None:
     watch.hessian += other.hessian
     watch.evaluations += other.evaluations
     watch.refused += other.refused
+    watch.parts += other.parts

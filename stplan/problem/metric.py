@@ -28,8 +28,6 @@ HASTE_SHARE = 4.0
 SEED_SHARE, SEGMENTS_BELOW = 3.0, 0.95
 # c for the seed's sake is at most so many times what it was.
 MOST_GROWTH = 4.0
-# Greatest c in the planning frame, where agents move at 0.6.
-GREATEST = 1e4
 # Ways longer than straight by this share go around walls.
 BENT = 1e-3
 # What cannot be moved (starts, prescribed motion) is to be so many times R apart, if a larger c helps: c
@@ -38,17 +36,7 @@ APART, GROWTH, MOST_STEPS = 1.05, 1.5, 16
 
 
 def with_metric(problem: PlanningProblem) -> PlanningProblem:
-    """The problem with the metric for seeding, where its scene leaves that open.
-
-    A stated c is taken for no more than `GREATEST`: squares of rods that are longer than that would round
-    distances away, and followers keep R in either.
-    """
-    if problem.scene.metric == "stated" and problem.time_scale > GREATEST:
-        if problem.interactions.grouping.any():
-            return problem
-        turning = problem.scene.turning_scale
-        scene = replace(problem.scene, time_scale=GREATEST, turning=turning)
-        return replace(problem, scene=scene)
+    """The problem with the metric for seeding, where its scene leaves that open."""
     if problem.scene.metric != "auto":
         return problem
     # Friends are drawn together in space-time: what that costs depends on the metric.
@@ -90,22 +78,7 @@ def _needed(problem: PlanningProblem) -> float:
     available = problem.preferred_times - problem.start_times
     speed = float(np.median(lengths[moving] / available[moving]))
     bent = bool((lengths > (1.0 + BENT) * straight)[moving].any())
-    return (WALLED_SHARE if bent or _in_the_way(problem) else OPEN_SHARE) * speed
-
-
-def _in_the_way(problem: PlanningProblem) -> bool:
-    """Whether somebody's straight way between walls leads over where another one starts or ends."""
-    if problem.boundary is None:
-        return False
-    ends = np.hstack([problem.starts, problem.goals]).reshape(-1, 2, 2)
-    for agent, stops in enumerate(problem.stops):
-        reach = np.where(problem.collides[agent], problem.distance[agent], 0.0)
-        for first, step in zip(stops[:-1], np.diff(stops, axis=0), strict=True):
-            along = (ends - first) @ step / max(float(step @ step), 1e-300)
-            aside = ends - first - np.clip(along, 0.0, 1.0)[..., None] * step
-            if (reach[:, None] > np.hypot(*aside.T).T).any():
-                return True
-    return False
+    return (WALLED_SHARE if bent else OPEN_SHARE) * speed
 
 
 def _top_speed(problem: PlanningProblem) -> float:

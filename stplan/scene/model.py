@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
@@ -241,7 +242,7 @@ class Scene:
         """c of the turns of acceleration costs, m/s."""
         return self.time_scale if self.turning is None else self.turning
 
-    @property
+    @cached_property
     def final_time(self) -> float:
         """Until when a staying agent stands on its goal: the horizon, or the latest `max_time`."""
         return max(self.horizon, *(agent.max_time for agent in self.agents))

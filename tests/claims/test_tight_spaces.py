@@ -143,49 +143,6 @@ def test_passengers_find_their_seats(name, claim):
     claim(scene.name, "energy over that of everybody alone", cost[0] / cost[1], at_most=4.0)
 
 
-# The aisles of first class, xmin, ymin, xmax, ymax; in both only one fits beside another's pod.
-AISLES = ((-0.1, 1.1, 7.6, 2.0), (-0.1, 4.4, 7.6, 5.3))
-
-
-def _entering(found: dict[str, np.ndarray], aisle: tuple[float, ...], until: float) -> list[str]:
-    """Agents that come into an aisle, in the order in which they first do."""
-    first = {
-        agent: float(visits[0, 0])
-        for agent, own in found.items()
-        if len(visits := presence(own, aisle, until))
-    }
-    return sorted(first, key=first.__getitem__)
-
-
-@pytest.mark.claims
-def test_passengers_keep_an_order_in_the_aisle(claim):
-    """In first class who would come into an aisle first alone mostly does; the heavy make others wait."""
-    name, nobody = "aircraft/first-class", "pairs=[{between: [all, all], collide: false}]"
-    until = planned(name).scene.final_time
-    together, alone = curves(name), curves(name, nobody)
-    kept = []
-    for aisle in AISLES:
-        order, wished = (_entering(found, aisle, until) for found in (together, alone))
-        both = [agent for agent in order if agent in wished]
-        kept += [wished.index(a) < wished.index(b) for a, b in combinations(both, 2)]
-    assert len(kept) >= 20
-    claim("first-class", "pairs that come into an aisle in the order they would alone",
-          float(np.mean(kept)), at_least=0.75)  # fmt: skip
-
-    def paid(*settings):
-        """What every agent pays for its motion, over its mass."""
-        done = planned(name, *settings)
-        figures = zip(done.scene.agents, done.report.metrics.agents, strict=True)
-        return {agent.id: one.kinetic_energy / agent.mass for agent, one in figures}
-
-    equal, free = paid(), paid(nobody)
-    # Who loses most among equals weighs ten times as much.
-    most = max(equal, key=lambda agent: equal[agent] / free[agent])
-    heavy = paid(f"agents.{most}.mass=10")
-    claim("first-class", "what others cost the passenger who loses most, at ten times the mass",
-          (heavy[most] / free[most] - 1.0) / (equal[most] / free[most] - 1.0), at_most=0.3)  # fmt: skip
-
-
 @pytest.mark.claims
 @pytest.mark.parametrize("name", ["mazes/corn", "mazes/rings"])
 def test_mazes_are_navigated(name, claim):

@@ -23,7 +23,6 @@ from stplan.problem.verification import verify
 from stplan.problem.world_lines import WorldLines
 from stplan.scene import parse_scene
 from stplan.scene.model import Scene
-from stplan.status import Status
 
 HEAD = "stplan: 1\nhorizon: {horizon}\n{more}agents:\n"
 SAM = "  - {id: sam, start: [0, 0], goal: [20, 0], radius: 0.5}\n"
@@ -130,36 +129,6 @@ def test_friends_keep_the_metric_that_their_pull_is_measured_in():
         found.agent_ids, [np.array([[0, 0, 0], [20, 0, 1.0]]), np.array([[20, 3, 0], [0, 3, 1.0]])]
     )
     assert sharpened(found, lines) is found
-
-
-def test_micrometres_in_a_metric_of_metres_have_a_plan() -> None:
-    """What is stated may be a million times what agents need."""
-    tiny = """
-stplan: 1
-horizon: 30
-time_scale: 1
-defaults: {radius: 3e-7}
-agents:
-  - {id: sam, start: [0, 0], goal: [1e-5, 1e-7]}
-  - {id: ann, start: [1e-5, 0], goal: [0, 0]}
-"""
-    found = plan(parse_scene(tiny))
-    assert found.status is Status.CONVERGED
-    assert found.scene.time_scale == 1.0
-    assert found.report.bound.excess < 0.1
-
-
-def test_who_has_to_make_room_between_walls_is_expected_to_hurry() -> None:
-    """Straight ways are clear of the walls, but lead over where others start or end."""
-    lane = "map: {rectangle: [-1, -4, 22, 4]}\n"
-    apart = "  - {id: sam, start: [0, 2], goal: [20, 2]}\n  - {id: ann, start: [20, -2], goal: [0, -2]}\n"
-    behind = (
-        "  - {id: sam, start: [0, 2], goal: [20, 2]}\n  - {id: ann, start: [9, 2], goal: [0, -2]}\n"
-    )
-    free, blocked = (prepare(scene(agents, more=lane)) for agents in (apart, behind))
-    assert free.time_scale == pytest.approx(2.0 * OPEN_SHARE, rel=1e-6)
-    assert blocked.time_scale == pytest.approx(1.493 * WALLED_SHARE, rel=1e-3)
-    assert prepare(scene(behind)).time_scale == pytest.approx(1.493 * OPEN_SHARE, rel=1e-3)
 
 
 def test_a_convoy_goes_straight():
