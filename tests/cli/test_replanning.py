@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shlex
+import subprocess
+import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "replanning.md"
+TWO = """\
+stplan: 1
+name: two
+horizon: 12
+defaults: {radius: 0.3}
+agents:
+  - {id: ann, start: [-5, 0], goal: [5, 0]}
+  - {id: bob, start: [0, -4], goal: [0.5, 4]}
+"""
 
 
 def test_the_page_does_what_it_says(run, monkeypatch, tmp_path) -> None:
@@ -84,3 +96,26 @@ def test_what_was_played_is_looked_at_but_neither_replanned_nor_improved(
         assert sentence in result.err
     assert sorted(path.stat().st_mtime_ns for path in Path("runs").rglob("*")) == before
     assert run("plot", "runs/hunt", "-o", "hunt.svg").status == 0
+
+
+def test_killing_a_replan_leaves_the_run_whole(run, monkeypatch, tmp_path) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("two.yaml").write_text(TWO, encoding="utf-8")
+    assert run("solve", "two.yaml", "-o", "plans").status == 0
+    before = {path: path.read_bytes() for path in Path("plans").rglob("*") if path.is_file()}
+    words = ("replan", "plans/two", "--at", "3", "--set", "agents.ann.goal=[4,1]", "-o", "plans")
+    process = subprocess.Popen(
+        [sys.executable, "-m", "stplan", *words], stderr=subprocess.PIPE, text=True,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    with process:
+        assert process.stderr is not None
+        said = next((line for line in process.stderr if "planning 1 of 2" in line), None)
+        process.kill()
+    assert said is not None
+    assert process.returncode != 0
+    after = {path: path.read_bytes() for path in Path("plans").rglob("*") if path.is_file()}
+    assert after == before
+    assert run("check", "plans/two").status == 0
+    assert run(*words).status == 0
+    assert run("check", "plans/two").status == 0
