@@ -57,8 +57,11 @@ class Scales:
         barrier = np.zeros(len(self.pair_reach))
         barrier[: len(self.barrier)] = self.barrier
         own = np.where(barrier > 0.0, barrier, 1.0)
-        mean = np.sqrt(own[:, None] * own[None, :])
+        mean = own[:, None] * own[None, :]
+        np.sqrt(mean, out=mean)
         fixed = barrier == 0.0
+        if not fixed.any():
+            return mean
         mean = np.where(fixed[:, None], barrier[None, :], mean)
         return np.where(fixed[None, :], barrier[:, None], mean)
 

@@ -67,7 +67,7 @@ def near_segments(
     """
     if not collides.any():
         return np.empty((0, 2), dtype=np.int64)
-    furthest = float(reach[collides].max())
+    furthest = float(reach.max(where=collides, initial=-np.inf))
     start = positions[segments[:, 0]]
     end = positions[segments[:, 1]]
     length = np.sqrt(((end - start) ** 2).sum(axis=1))

@@ -33,6 +33,8 @@ FIRST_BEGIN, LATER_BEGIN = 2, 3
 COUPLED, CLOSE = 0.15, 1.0
 # Barriers around agents of other blocks, who have yet to move, are so many times as strong.
 TOWARDS_OTHERS = 2.0
+# No pair of agents.
+ALONE = np.empty((0, 2), dtype=np.int64)
 # Blocks are judged by so many times the tolerance: others move afterwards.
 ROUGHLY = 10.0
 
@@ -87,7 +89,7 @@ def _sweep(
     begin = min(
         FIRST_BEGIN if sweep == 0 else LATER_BEGIN, problem.scene.solver.outer_iterations - 1
     )
-    clusters = connected(problem, np.zeros_like(problem.collides))
+    clusters = connected(problem, ALONE)
     groups = np.zeros(problem.num_agents, dtype=np.int64)
     for number, cluster in enumerate(clusters, start=1):
         groups[cluster] = number
@@ -163,9 +165,11 @@ def split(
     their goals in the third. Who has to meet or is drawn together stays together.
     """
     places = (0.5 * (problem.starts + problem.goals), problem.starts, problem.goals)[sweep % 3]
-    clusters = connected(problem, np.zeros_like(problem.collides))
+    clusters = connected(problem, ALONE)
     if among is not None:
-        clusters = [cluster for cluster in clusters if np.isin(cluster, among).all()]
+        chosen = np.zeros(problem.num_agents, dtype=bool)
+        chosen[among] = True
+        clusters = [cluster for cluster in clusters if chosen[cluster].all()]
     middles = np.array([places[cluster].mean(axis=0) for cluster in clusters])
     return _bisected(clusters, middles, np.arange(len(clusters)), size)
 

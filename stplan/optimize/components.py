@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from stplan.arrays import BoolArray, IntArray
+from stplan.arrays import IntArray
 from stplan.callbacks import Progress, Stop
 from stplan.optimize.continuation import LiveLine, Optimisation, OuterIteration
 from stplan.optimize.parts import DividedProblem, Part
@@ -116,13 +116,15 @@ def _headed(live: LiveLine | None, heading: str) -> LiveLine | None:
     return headed
 
 
-def connected(problem: PlanningProblem, related: BoolArray) -> list[IntArray]:
-    """Agents that plan, those together who are `related` (A, A), have to meet or are drawn together."""
+def connected(problem: PlanningProblem, related: IntArray) -> list[IntArray]:
+    """Agents that plan, those together who are in a pair `related` (N, 2), have to meet or are drawn together."""
     planning = ~problem.prescribed
-    joined = related | (problem.interactions.grouping > 0.0)
-    for meeting in problem.meetings:
-        joined[meeting.first, meeting.second] = True
-    rows, columns = np.nonzero(joined & planning[:, None] & planning[None, :])
+    meetings = np.array([[one.first, one.second] for one in problem.meetings], dtype=np.int64)
+    joined = [related, meetings.reshape(-1, 2)]
+    if any(rule.grouping for rule in problem.scene.pairs):
+        joined.append(np.argwhere(problem.interactions.grouping > 0.0))
+    pairs = np.vstack(joined)
+    rows, columns = pairs[planning[pairs].all(axis=1)].T
     label = np.arange(problem.num_agents)
     while True:
         # Everybody takes the least label among those it is joined to, and theirs.

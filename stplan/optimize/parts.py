@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.arrays import FloatArray, IntArray
 from stplan.callbacks import Stop, unheard
 from stplan.compiled import working_time
 from stplan.costs.formulation import TermSetup
@@ -167,12 +167,9 @@ class DividedProblem:
             knots[offsets[agent] : offsets[agent + 1]] = curve
         return knots
 
-    def in_view(self) -> BoolArray:
-        """(A, A) whether a pair that collides is in view of each other."""
-        seen = np.zeros_like(self.problem.collides)
-        first, second = self.surveyor.pairs_in_view(self.knots, VIEW).T
-        seen[first, second] = seen[second, first] = True
-        return seen
+    def in_view(self) -> IntArray:
+        """(N, 2) pairs that collide and are in view of each other."""
+        return self.surveyor.pairs_in_view(self.knots, VIEW)
 
     def price(self) -> float:
         """What the agents pay, without barriers, in the user's units."""

@@ -43,12 +43,16 @@ class Surveyor:
         self._rods, self._layout = formulation.rods, formulation.layout
         self._range = formulation.scales.pair_reach
         self._wish = pair_clearances(problem.scene)
-        collides = problem.collides
         self._furthest, self._widest = (
-            float(array[collides].max(initial=0.0)) for array in (problem.distance, self._range)
+            float(array.max(where=problem.collides, initial=0.0))
+            for array in (problem.distance, self._range)
         )
         self._wished = 0.0 if self._wish is None else float(self._wish.max())
         self._partners = _partners(problem)
+        # The segment in which each agent stands on its goal, -1 where it does not.
+        self._tails = np.full(problem.num_agents, -1)
+        own = self._rods.num_curve_segments
+        self._tails[self._rods.agents[own:]] = np.arange(own, len(self._rods.segments))
 
     def with_partners(self, agents: IntArray) -> IntArray:
         """`agents`, and those whose motion is prescribed that they meet or are drawn to."""
@@ -63,15 +67,15 @@ class Surveyor:
         rods, problem = self._rods, self._problem
         inside = np.zeros(problem.num_agents, dtype=bool)
         inside[agents] = True
-        asked = (inside & ~problem.prescribed)[rods.agents]
-        positions = rods.positions(knots)
-        chosen = self._around(positions, asked, ~inside[rods.agents], view)
+        asked = inside & ~problem.prescribed
+        chosen = self._around(knots, asked, ~inside, view)
         owners, number = np.unique(rods.agents[chosen], return_inverse=True)
         square = np.ix_(owners, owners)
         pairs = near_segments(
-            positions, rods.segments[chosen], number.astype(np.int64),
+            self._ends(knots, chosen).reshape(-1, 3), np.arange(2 * len(chosen)).reshape(-1, 2),
+            number.astype(np.int64),
             problem.collides[square] & (inside[owners, None] ^ inside[None, owners]),
-            self._reach(square, view), asked[chosen],
+            self._reach(view, square), asked[rods.agents[chosen]],
         )  # fmt: skip
         pairs = chosen[pairs]
         first = inside[rods.agents[pairs[:, 0]]]
@@ -82,11 +86,9 @@ class Surveyor:
     def pairs_in_view(self, knots: FloatArray, view: float) -> IntArray:
         """(N, 2) pairs a < b of agents that come nearer than they keep and `view` ranges more, each once."""
         rods, problem = self._rods, self._problem
-        everyone = np.ix_(*2 * (np.arange(problem.num_agents),))
         pairs = near_segments(
-            rods.positions(knots), rods.segments, rods.agents, problem.collides,
-            self._reach(everyone, view),
-        )  # fmt: skip
+            rods.positions(knots), rods.segments, rods.agents, problem.collides, self._reach(view)
+        )
         first, second = rods.agents[pairs].T
         codes = np.unique(first * problem.num_agents + second)
         return np.column_stack(np.divmod(codes, problem.num_agents)).astype(np.int64)
@@ -116,22 +118,58 @@ class Surveyor:
             return found
         return _shared(found, *self._gaps(knots, near, agents, owners, beside))
 
-    def _reach(self, square: tuple[IntArray, ...], view: float) -> FloatArray:
-        problem = self._problem
-        reach: FloatArray = problem.distance[square] + view * self._range[square]
-        return reach if self._wish is None or not view else reach + self._wish[square]
+    def _reach(self, view: float, square: tuple[IntArray, ...] | None = None) -> FloatArray:
+        """What pairs keep and `view` ranges more, m; of those in a `square` of all pairs alone."""
+        problem, chosen = self._problem, ... if square is None else square
+        reach: FloatArray = problem.distance[chosen] + view * self._range[chosen]
+        return reach if self._wish is None or not view else reach + self._wish[chosen]
 
     def _around(
-        self, positions: FloatArray, asked: BoolArray, others: BoolArray, view: float
+        self, knots: FloatArray, asked: BoolArray, others: BoolArray, view: float
     ) -> IntArray:
-        """Segments that are `asked` about, and `others` within reach of the box around them."""
-        ends = positions[self._rods.segments]
-        low, high = ends.min(axis=1), ends.max(axis=1)
+        """Segments of agents that are `asked` about, and those of `others` within reach of the box around them.
+
+        What is looked at of all agents are the boxes around their rods alone.
+        """
+        low, high = self._boxes(knots)
         reach = self._furthest + view * self._widest + (self._wished if view else 0.0)
         least = low[asked].min(axis=0, initial=np.inf) - reach
         greatest = high[asked].max(axis=0, initial=-np.inf) + reach
         within = (low <= greatest).all(axis=1) & (high >= least).all(axis=1)
-        return np.flatnonzero(asked | (others & within))
+        chosen = self._segments_of(np.flatnonzero(asked | (others & within)))
+        ends = self._ends(knots, chosen)
+        low, high = ends.min(axis=1), ends.max(axis=1)
+        within = (low <= greatest).all(axis=1) & (high >= least).all(axis=1)
+        return chosen[asked[self._rods.agents[chosen]] | within]
+
+    def _boxes(self, knots: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(A, 3) least and greatest coordinates of all rods in (x, y, c t), m."""
+        first, scale = self._layout.first, np.array([1.0, 1.0, self._rods.time_scale])
+        low = scale * np.minimum.reduceat(knots, first)
+        high = scale * np.maximum.reduceat(knots, first)
+        stays = self._tails >= 0
+        high[stays, 2] = np.maximum(
+            high[stays, 2], self._ends(knots, self._tails[stays])[:, 1, 2]
+        )
+        return low, high
+
+    def _segments_of(self, agents: IntArray) -> IntArray:
+        """All segments of `agents`, sorted."""
+        # Every agent before one has a knot more than segments.
+        first, counts = self._layout.first[agents] - agents, self._layout.num_segments[agents]
+        within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        tails = self._tails[agents]
+        return np.concatenate([np.repeat(first, counts) + within, np.sort(tails[tails >= 0])])
+
+    def _ends(self, knots: FloatArray, segments: IntArray) -> FloatArray:
+        """(N, 2, 3) both ends of `segments` in (x, y, c t), m."""
+        rods = self._rods
+        index = rods.segments[segments]
+        moving = index < rods.num_knots
+        ends = np.empty((*index.shape, 3))
+        ends[moving] = knots[index[moving]] * [1.0, 1.0, rods.time_scale]
+        ends[~moving] = rods.fixed_points[index[~moving] - rods.num_knots]
+        return ends
 
     def _pieces(self, knots: FloatArray, near: IntArray) -> list[Piece]:
         """The stretches of curves with segments `near`."""

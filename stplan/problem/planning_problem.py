@@ -136,7 +136,7 @@ class PlanningProblem:
         """c of the space-time metric, m/s."""
         return self.scene.time_scale
 
-    @property
+    @cached_property
     def final_time(self) -> float:
         """Until when staying agents stand on their goals, s."""
         return self.scene.final_time
