@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from stplan.analysis.evasions import Movers, evading_groups
+from stplan.analysis.evasions import MOST, Movers, evading_groups
 from stplan.analysis.gates import Gate, find_gates
 from stplan.analysis.queues import Passers, least_asides, queue_bound
 from stplan.arrays import FloatArray, IntArray, Point
@@ -80,6 +80,8 @@ def _crossings(
     found: list[Together] = []
     for both in np.unique(times, axis=0):
         mine = agents[(times == both).all(axis=1)]
+        if len(mine) > MOST:
+            continue
         pairs = np.ix_(mine, mine)
         weights = np.array([problem.scene.agents[a].weights.kinetic for a in mine.tolist()])
         movers = Movers(

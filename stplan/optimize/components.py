@@ -117,7 +117,7 @@ def _headed(live: LiveLine | None, heading: str) -> LiveLine | None:
 
 
 def connected(problem: PlanningProblem, related: IntArray) -> list[IntArray]:
-    """Agents that plan, those together who are in a pair `related` (N, 2), have to meet or are drawn together."""
+    """Agents that plan, those together who are `related` pairs (N, 2), have to meet or are drawn together."""
     planning = ~problem.prescribed
     meetings = np.array([[one.first, one.second] for one in problem.meetings], dtype=np.int64)
     joined = [related, meetings.reshape(-1, 2)]

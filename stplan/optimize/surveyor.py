@@ -19,6 +19,8 @@ from stplan.scene.interactions import pair_clearances
 
 # Stretches of a rod out of view no longer than so many segments are not left out.
 SHORT_GAP = 2
+# Two agents that keep apart.
+APART = np.array([[False, True], [True, False]])
 # What an agent takes of the room towards another one that is moved at the same time.
 SHARE = 0.5
 
@@ -69,19 +71,23 @@ class Surveyor:
         inside[agents] = True
         asked = inside & ~problem.prescribed
         chosen = self._around(knots, asked, ~inside, view)
-        owners, number = np.unique(rods.agents[chosen], return_inverse=True)
-        square = np.ix_(owners, owners)
+        mine = asked[rods.agents[chosen]]
+        if mine.all() or not mine.any():
+            none = np.empty(0, dtype=np.int64)
+            return NearSegments(none, none)
+        ends = self._ends(knots, chosen).reshape(-1, 3)
+        segments = np.arange(2 * len(chosen)).reshape(-1, 2)
+        # As two agents, those asked about and all others, within the furthest reach of all pairs; what
+        # each pair keeps is looked up of those found alone: squares of all in the box are large.
         pairs = near_segments(
-            self._ends(knots, chosen).reshape(-1, 3), np.arange(2 * len(chosen)).reshape(-1, 2),
-            number.astype(np.int64),
-            problem.collides[square] & (inside[owners, None] ^ inside[None, owners]),
-            self._reach(view, square), asked[rods.agents[chosen]],
+            ends, segments, np.where(mine, 0, 1), APART, np.full((2, 2), self._furthest_view(view)),
+            mine,
         )  # fmt: skip
-        pairs = chosen[pairs]
-        first = inside[rods.agents[pairs[:, 0]]]
-        return NearSegments(
-            np.where(first, pairs[:, 0], pairs[:, 1]), np.where(first, pairs[:, 1], pairs[:, 0])
-        )
+        gaps = segment_distances(ends, segments, pairs)
+        own, other = chosen[pairs].T
+        who = rods.agents[own], rods.agents[other]
+        near = problem.collides[who] & (gaps < self._reach(view, who))
+        return NearSegments(own[near], other[near])
 
     def pairs_in_view(self, knots: FloatArray, view: float) -> IntArray:
         """(N, 2) pairs a < b of agents that come nearer than they keep and `view` ranges more, each once."""
@@ -118,21 +124,25 @@ class Surveyor:
             return found
         return _shared(found, *self._gaps(knots, near, agents, owners, beside))
 
-    def _reach(self, view: float, square: tuple[IntArray, ...] | None = None) -> FloatArray:
-        """What pairs keep and `view` ranges more, m; of those in a `square` of all pairs alone."""
-        problem, chosen = self._problem, ... if square is None else square
+    def _furthest_view(self, view: float) -> float:
+        """No pair keeps more, with `view` ranges more, m."""
+        return self._furthest + view * self._widest + (self._wished if view else 0.0)
+
+    def _reach(self, view: float, pairs: tuple[IntArray, ...] | None = None) -> FloatArray:
+        """What all pairs or some keep, and `view` ranges more, m."""
+        problem, chosen = self._problem, ... if pairs is None else pairs
         reach: FloatArray = problem.distance[chosen] + view * self._range[chosen]
         return reach if self._wish is None or not view else reach + self._wish[chosen]
 
     def _around(
         self, knots: FloatArray, asked: BoolArray, others: BoolArray, view: float
     ) -> IntArray:
-        """Segments of agents that are `asked` about, and those of `others` within reach of the box around them.
+        """Segments of agents `asked` about, and those of `others` within reach of the box around them.
 
-        What is looked at of all agents are the boxes around their rods alone.
+        Of all agents only the boxes around their rods are looked at.
         """
         low, high = self._boxes(knots)
-        reach = self._furthest + view * self._widest + (self._wished if view else 0.0)
+        reach = self._furthest_view(view)
         least = low[asked].min(axis=0, initial=np.inf) - reach
         greatest = high[asked].max(axis=0, initial=-np.inf) + reach
         within = (low <= greatest).all(axis=1) & (high >= least).all(axis=1)
@@ -148,9 +158,7 @@ class Surveyor:
         low = scale * np.minimum.reduceat(knots, first)
         high = scale * np.maximum.reduceat(knots, first)
         stays = self._tails >= 0
-        high[stays, 2] = np.maximum(
-            high[stays, 2], self._ends(knots, self._tails[stays])[:, 1, 2]
-        )
+        high[stays, 2] = np.maximum(high[stays, 2], self._ends(knots, self._tails[stays])[:, 1, 2])
         return low, high
 
     def _segments_of(self, agents: IntArray) -> IntArray:

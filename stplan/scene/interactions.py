@@ -47,7 +47,9 @@ class PairSettings:
         distance = self._radii[rows, None] + self._radii[None, columns]
         weight = (self._weights[rows, None] + self._weights[None, columns]) / 2
         collides = np.ones(distance.shape, dtype=bool)
-        grouping = np.zeros_like(distance)
+        drawn = any(rule.grouping is not None for _, _, rule in self._rules)
+        # Of many agents a square that says nothing would take more memory than all the rest.
+        grouping = np.zeros_like(distance) if drawn else np.broadcast_to(0.0, distance.shape)
         row_of, column_of = self._places(rows), self._places(columns)
         for left, right, rule in self._rules:
             for one, other in ((left, right), (right, left)):
@@ -64,7 +66,8 @@ class PairSettings:
         collides &= weight > 0
         same = rows[:, None] == columns[None, :]
         collides[same] = False
-        grouping[same] = 0.0
+        if drawn:
+            grouping[same] = 0.0
         return Interactions(collides, distance, weight, grouping)
 
     def colliding(self) -> BoolArray:

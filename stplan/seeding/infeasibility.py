@@ -59,23 +59,30 @@ def _touching_ends(problem: PlanningProblem) -> list[Reason]:
     """Starts at the same time and goals that are stayed on, closer than R; ends near given paths."""
     scale = np.array([1.0, 1.0, problem.time_scale])
     starts = np.column_stack([problem.starts, problem.start_times]) * scale
-    given = problem.prescribed
-    start_gaps = _distances(starts)
-    near_starts = (start_gaps <= problem.distance) | given[:, None] | given[None]
-    goal_gaps = _distances(problem.goals)
-    stay = problem.stays[:, None] & problem.stays[None]
-    near_goals = stay & (goal_gaps <= problem.distance)
+    count, given = problem.num_agents, problem.prescribed
+    reach = float(problem.distance.max(where=problem.collides, initial=0.0))
+    near_starts, _ = _near(problem, starts, reach)
+    beside_given = np.array(np.meshgrid(np.flatnonzero(given), np.arange(count))).reshape(2, -1).T
+    goals, goal_gaps = _near(problem, problem.goals, reach)
+    stay = problem.stays[goals].all(axis=1)
+    near_goals = {
+        (a, b): gap
+        for (a, b), gap in zip(goals[stay].tolist(), goal_gaps[stay].tolist(), strict=True)
+    }
+    candidates = np.sort(np.vstack([near_starts, beside_given, goals[stay]]), axis=1)
+    candidates = candidates[problem.collides[candidates[:, 0], candidates[:, 1]]]
+    codes = np.unique(candidates[:, 0] * count + candidates[:, 1])
     reasons = []
-    for a, b in np.argwhere(np.triu(problem.collides & (near_starts | near_goals))):
-        pair = (int(a), int(b))
+    for a, b in np.column_stack(np.divmod(codes, count)).tolist():
+        pair = (a, b)
         limit = float(problem.distance[pair])
         gap = _beginning_gap(problem, starts, pair, limit)
         if gap <= limit:
             early, late = sorted(problem.start_times[list(pair)].tolist())
             found = _touching_pair(problem, "start", pair, gap, problem.starts[a])
             reasons.append(replace(found, times=(early, late)))
-        if near_goals[pair]:
-            gap = float(goal_gaps[pair])
+        if pair in near_goals:
+            gap = near_goals[pair]
             reasons.append(_touching_pair(problem, "goal", pair, gap, problem.goals[a]))
     return reasons
 
@@ -96,9 +103,24 @@ def _point(place: FloatArray) -> tuple[float, float]:
     return float(place[0]), float(place[1])
 
 
-def _distances(points: FloatArray) -> FloatArray:
-    """(n, n) distances of `points` (n, d)."""
-    return np.asarray(np.linalg.norm(points[:, None] - points[None], axis=2))
+def _near(
+    problem: PlanningProblem, points: FloatArray, reach: float
+) -> tuple[IntArray, FloatArray]:
+    """Pairs (N, 2) of agents a < b whose `points` (A, d) are no further apart than R, and how far (N,).
+
+    R is at most `reach`: along the axis on which points spread most, only those within it are looked at.
+    """
+    along = points[:, int(np.ptp(points, axis=0).argmax())]
+    order = np.argsort(along, kind="stable")
+    # A little further: differences are rounded.
+    past = np.searchsorted(along[order], along[order] + (1.0 + 1e-9) * reach, side="right")
+    counts = np.maximum(past - np.arange(len(order)) - 1, 0)
+    first = np.repeat(np.arange(len(order)), counts)
+    second = first + 1 + np.arange(len(first)) - np.repeat(np.cumsum(counts) - counts, counts)
+    pairs = np.sort(np.column_stack([order[first], order[second]]), axis=1)
+    gaps = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
+    near = gaps <= problem.distance[pairs[:, 0], pairs[:, 1]]
+    return pairs[near], gaps[near]
 
 
 def _beginning_gap(

@@ -8,7 +8,7 @@ import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.compiled import inlined, kernel
-from stplan.geometry.allocation import new_integer_rows, new_integers, new_number_rows, new_numbers
+from stplan.geometry.allocation import new_integer_rows, new_integers, new_number_rows
 from stplan.geometry.boundary_grid import BoundaryGrid
 from stplan.geometry.grid import cells_of_box, fill, make_query
 from stplan.geometry.growable import with_room
@@ -47,8 +47,21 @@ class Bodies(NamedTuple):
     asking: BoolArray
 
 
-def near_rows(bodies: Bodies, collides: BoolArray, reach: FloatArray, cell: float) -> Neighbours:
-    """Segments nearer than their pair's reach, for every segment that asks.
+def widest_reach(collides: BoolArray, reach: FloatArray) -> FloatArray:
+    """(A,) the furthest `reach` (A, A) of every agent, m; -inf of those that collide with nobody."""
+    return np.asarray(reach.max(axis=1, where=collides, initial=-np.inf))
+
+
+def near_rows(
+    bodies: Bodies,
+    collides: BoolArray,
+    reach: FloatArray,
+    cell: float,
+    *,
+    skin: float = 0.0,
+    widest: FloatArray | None = None,
+) -> Neighbours:
+    """Segments nearer than their pair's reach and the skin, for every segment that asks.
 
     The work grows linearly with the number of segments at constant density.
 
@@ -56,8 +69,11 @@ def near_rows(bodies: Bodies, collides: BoolArray, reach: FloatArray, cell: floa
         collides: (A, A) which pairs count.
         reach: (A, A) in m.
         cell: wanted side of a cell (m).
+        skin: m.
+        widest: the `widest_reach` of `reach`, where it is known.
     """
-    return Neighbours(*_near_rows(bodies, collides, reach, cell))
+    widest = widest_reach(collides, reach) if widest is None else widest
+    return Neighbours(*_near_rows(bodies, collides, reach, skin, widest, cell))
 
 
 def near_edges(
@@ -71,18 +87,17 @@ def near_edges(
 
 @kernel
 def _near_rows(
-    bodies: Bodies, collides: BoolArray, reach: FloatArray, cell: float
+    bodies: Bodies,
+    collides: BoolArray,
+    reach: FloatArray,
+    skin: float,
+    widest: FloatArray,
+    cell: float,
 ) -> tuple[IntArray, IntArray]:
     """Rows and members of the near segments."""
     positions, segments, agents, asking = bodies
     low, high = _boxes(positions, segments)
     grid = fill(low, high, cell, CELLS_PER_SEGMENT * len(segments) + 64.0)
-    widest = new_numbers(len(reach))
-    for a in range(len(reach)):
-        widest[a] = 0.0
-        for b in range(len(reach)):
-            if collides[a, b]:
-                widest[a] = max(widest[a], reach[a, b])
     query = make_query(grid.cells)
     seen = new_integers(len(segments))
     for i in range(len(segments)):
@@ -92,11 +107,12 @@ def _near_rows(
     count = 0
     for i in range(len(segments)):
         a = agents[i]
-        if not asking[i] or widest[a] == 0.0:
+        furthest = widest[a] + skin
+        if not asking[i] or furthest <= 0.0:
             continue
         for x in range(3):
-            query.low[x] = low[i, x] - widest[a]
-            query.high[x] = high[i, x] + widest[a]
+            query.low[x] = low[i, x] - furthest
+            query.high[x] = high[i, x] + furthest
         for r in range(cells_of_box(grid.cells, query)):
             begin, past = grid.starts[query.runs[r, 0]], grid.starts[query.runs[r, 1]]
             near = with_room(near, count + 2 * (past - begin))
@@ -107,7 +123,7 @@ def _near_rows(
                 if seen[j] == i or (j <= i and asking[j]) or not collides[a, b]:
                     continue
                 seen[j] = i
-                limit = reach[a, b]
+                limit = reach[a, b] + skin
                 if (
                     low[j, 0] > high[i, 0] + limit
                     or high[j, 0] < low[i, 0] - limit

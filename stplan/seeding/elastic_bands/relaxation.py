@@ -21,7 +21,13 @@ from stplan.problem.clearance import wall_clearance
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import Requirement
 from stplan.problem.verification import verify
-from stplan.seeding.elastic_bands.band_neighbours import Bodies, near_edges, near_rows, tight_pairs
+from stplan.seeding.elastic_bands.band_neighbours import (
+    Bodies,
+    near_edges,
+    near_rows,
+    tight_pairs,
+    widest_reach,
+)
 from stplan.seeding.elastic_bands.bands import Bands, initial_curves
 from stplan.seeding.elastic_bands.sweeps import (
     Contacts,
@@ -139,6 +145,11 @@ class _Relaxation:
         self.first_positions = self.bands.positions.copy()
         self.movable = np.flatnonzero(~problem.prescribed)
         self.rod_target = AIM * required.rods
+        count = self.rod_target.size
+        middle = [(count - 1) // 2, count // 2]
+        # The mean of both is the median.
+        self.usual_targets = np.partition(self.rod_target, middle, axis=None)[middle]
+        self.widest = widest_reach(problem.collides, self.rod_target)
         heeds = problem.heeds_walls & (problem.boundary is not None)
         self.wall_target = np.where(heeds, AIM * required.walls, 0.0)
         total = problem.masses[:, None] + problem.masses[None, :]
@@ -278,11 +289,12 @@ class _Relaxation:
         tails = bands.positions[bands.segments[:, 1]]
         # Tails are listed too: they push nothing, but may stand in the way of a given path.
         asking = ~problem.prescribed[bands.agents]
-        reach = self.rod_target + self.skin
         extent = np.abs(tails - heads).max(axis=1)
-        cell = max(float(np.median(extent)), float(np.median(reach)))
+        cell = max(float(np.median(extent)), float((self.usual_targets + self.skin).mean()))
         bodies = Bodies(bands.positions, bands.segments, bands.agents, asking)
-        near = near_rows(bodies, problem.collides, reach, cell)
+        near = near_rows(
+            bodies, problem.collides, self.rod_target, cell, skin=self.skin, widest=self.widest
+        )
         self.contacts = Contacts(*near, self.rod_target, self.share, bands.positions.copy())
         self.wall_contacts = None
         if problem.boundary is not None:
