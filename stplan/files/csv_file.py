@@ -30,13 +30,20 @@ NAMES = {
 
 def csv_bytes(lines: WorldLines) -> bytes:
     """`lines` as CSV in UTF-8; floats in the shortest form that round-trips to the same bits."""
-    text = io.StringIO(newline="")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
+    rows = [",".join(COLUMNS) + "\n"]
     for agent_id, curve in zip(lines.agent_ids, lines.curves(), strict=True):
-        for knot, (x, y, t) in enumerate(curve.tolist()):
-            writer.writerow((agent_id, knot, repr(x), repr(y), repr(t)))
-    return text.getvalue().encode()
+        name = _field(agent_id)
+        rows += [
+            f"{name},{knot},{x!r},{y!r},{t!r}\n" for knot, (x, y, t) in enumerate(curve.tolist())
+        ]
+    return "".join(rows).encode()
+
+
+def _field(text: str) -> str:
+    """`text` as a field of a row, in quotes where it needs them."""
+    row = io.StringIO(newline="")
+    csv.writer(row, lineterminator="\n").writerow((text, 0))
+    return row.getvalue().removesuffix(",0\n")
 
 
 def read_csv(path: Path) -> WorldLines:
