@@ -79,6 +79,18 @@ def _limit(axes: Axes, view: RunView, spots: list[TightSpot], between: FloatArra
     axes.set_xlim(view.begin, max(view.end, view.begin + 1e-9))
     axes.axhspan(bottom, 0.0, color=WARNING, alpha=0.08, lw=0)
     axes.set_xlabel("time, s", loc="right", labelpad=1)
+    _mark_events(axes, view)
+
+
+def _mark_events(axes: Axes, view: RunView, *, named: bool = False) -> None:
+    """An upright line where something happened, with what it was where it is `named`."""
+    for when, what in view.events:
+        axes.axvline(when, color=INK, lw=0.9, ls=(0, (1, 2)), zorder=3, gid="event")
+        if named:
+            axes.annotate(
+                what, (when, 1.0), xycoords=("data", "axes fraction"), xytext=(3, -2), fontsize=6,
+                textcoords="offset points", va="top", color=INK, zorder=5, clip_on=True,
+            )  # fmt: skip
 
 
 def draw_speed(axes: Axes, view: RunView) -> None:
@@ -100,6 +112,7 @@ def draw_speed(axes: Axes, view: RunView) -> None:
     fastest = max(float(segment_speeds(curve).max()) for curve in view.lines.curves())
     axes.set_ylim(0.0, 1.08 * fastest if fastest > 0 else 1.0)
     axes.set_xlim(view.begin, max(view.end, view.begin + 1e-9))
+    _mark_events(axes, view)
 
 
 def _quartiles(view: RunView) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -156,5 +169,6 @@ def draw_arrivals(axes: Axes, view: RunView) -> None:
     axes.grid(axis="y", visible=False)
     latest = max(view.end, float(np.max(view.crowd.preferred[wished], initial=view.end)))
     axes.set_xlim(view.begin, latest + 0.08 * (latest - view.begin))
+    _mark_events(axes, view, named=True)
     if wished.any():
         axes.legend(loc="upper left", bbox_to_anchor=(-0.02, -0.13), handletextpad=0.2)

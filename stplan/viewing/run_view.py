@@ -62,6 +62,12 @@ class RunView:
     scene: Scene | None = None
 
     @property
+    def events(self) -> tuple[tuple[float, str], ...]:
+        """When something happened that nobody knew of before, s, and what."""
+        changes = () if self.scene is None else self.scene.changes
+        return tuple((change.at, "; ".join(change.causes)) for change in changes)
+
+    @property
     def num_agents(self) -> int:
         """Number of agents A."""
         return self.crowd.num_agents

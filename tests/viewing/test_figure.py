@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from matplotlib.collections import PatchCollection
 from matplotlib.patches import PathPatch
 from PIL import Image
 
+from stplan.scene.model import WorldChange
 from stplan.viewing.drawing import look
 from stplan.viewing.figure import FORMATS, draw_figure, figure_bytes
 from stplan.viewing.palette import agent_colours
@@ -49,6 +51,17 @@ def test_every_format(view):
     picture = _pixels(figure_bytes(view, "png", dpi=40))
     assert picture.shape[1] == 13 * 40
     assert 300 < picture.shape[0] < 500
+
+
+def test_events_are_marked_and_named(view):
+    assert view.events == ()
+    assert b'id="event"' not in figure_bytes(view, "svg", parts=("time",))
+    change = WorldChange(2.5, view.scene, causes=("the west door closed",))
+    happened = replace(view, scene=replace(view.scene, changes=(change,)))
+    content = figure_bytes(happened, "svg", parts=("time",))
+    # In clearance, speed and arrivals; said in the last.
+    assert content.count(b'id="event"') == 3
+    assert _svg_texts(content).count("the west door closed") == 1
 
 
 def test_every_agent_is_seen_in_its_colour(view):
