@@ -70,3 +70,14 @@ def test_staying_agents_are_present_until_the_end() -> None:
     leaves = present_until(np.arange(COUNT) % 2 == 1, arrivals, 20.0)
     assert leaves[1::2].tolist() == [20.0] * (COUNT // 2)
     assert leaves[::2].tolist() == arrivals[::2].tolist()
+
+
+def test_collision_of_every_agent_or_of_every_pair_says_the_same() -> None:
+    head = "stplan: 1\nhorizon: 9\n"
+    sam = "  - {id: sam, start: [0, 0], goal: [9, 0]}"
+    agents = f"agents:\n{sam}\n  - {{id: ann, start: [9, 2], goal: [0, 2]}}\n"
+    by_agent = parse_scene(f"{head}defaults: {{weights: {{collision: 2}}}}\n{agents}")
+    by_pair = parse_scene(f"{head}{agents}pairs: [{{between: [all, all], collision: 2}}]\n")
+    weights = [scene_interactions(one).collision_weight for one in (by_agent, by_pair)]
+    assert weights[0][0, 1] == 2.0
+    assert np.array_equal(weights[0][[0, 1], [1, 0]], weights[1][[0, 1], [1, 0]])
