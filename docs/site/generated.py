@@ -15,6 +15,7 @@ import typer.main
 from sphinx.application import Sphinx
 
 import stplan
+from stplan.bench.history import read_history, trends
 from stplan.cli.app import app as program
 from stplan.scene import load_scene, scene_schema
 from stplan.viewing.page import page_bytes
@@ -144,10 +145,17 @@ def python_reference() -> str:
     return "\n".join(lines)
 
 
+def trend_tables() -> str:
+    """What benchmarks took, record by record."""
+    history = read_history(ROOT / "docs" / "bench-history.csv")
+    return trends(history) if history else "Nothing has been recorded yet."
+
+
 GENERATED: dict[str, Callable[[], str]] = {
     "site/reference/scene": scene_reference,
     "site/reference/commands": command_reference,
     "site/reference/api": python_reference,
+    "site/trends": trend_tables,
 }
 
 

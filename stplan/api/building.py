@@ -48,7 +48,7 @@ def build_scene(
     agents: Sequence[AgentSpec | Mapping[str, Any]],
     *,
     map: Any = None,
-    horizon: float | None = None,
+    horizon: float | str | None = None,
     name: str = "scene",
     directory: str | Path = ".",
     **sections: Any,
@@ -58,7 +58,7 @@ def build_scene(
     Args:
         agents: `AgentSpec`, or mappings with the keys of the scene format.
         map: None for the open plane, an outer ring (n, 2), or a mapping as in a scene file.
-        horizon: latest arrival of agents that have none of their own, s.
+        horizon: latest arrival of agents that have none of their own, s; or "auto".
         directory: where map files are looked for.
         sections: further keys of a scene: ``defaults``, ``pairs``, ``seeding``, ``solver``, ...
 
@@ -81,7 +81,7 @@ def scene_text(
     agents: Sequence[AgentSpec | Mapping[str, Any]],
     *,
     map: Any = None,
-    horizon: float | None = None,
+    horizon: float | str | None = None,
     name: str = "scene",
     **sections: Any,
 ) -> str:

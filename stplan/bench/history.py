@@ -39,6 +39,8 @@ SOURCES = {
 ROUNDS = 7
 # Ratios that differ by less than this are the same.
 NOISE = 0.1
+# So many records of a case are shown.
+SHOWN = 8
 
 
 @dataclass(frozen=True)
@@ -155,6 +157,22 @@ def compared(history: Sequence[HistoryEntry], found: Sequence[HistoryEntry]) -> 
         since = "" if before is None else f"{before.commit or before.day}"
         rows.append((one.benchmark, one.case, number(one.ratio, ".1f"), change, since))
     return table(("benchmark", "case", "times the loop", "change", "since"), rows, {0, 1, 4})
+
+
+def trends(history: Sequence[HistoryEntry]) -> str:
+    """Markdown, a row a case: how its ratio to the loop went from record to record, the oldest first."""
+    cases: dict[tuple[str, str], list[HistoryEntry]] = {}
+    for one in history:
+        cases.setdefault((one.benchmark, one.case), []).append(one)
+    rows = []
+    for (benchmark, case), records in cases.items():
+        ratios = [one.ratio for one in records]
+        last = records[-1]
+        change = "new" if len(records) == 1 else _change(ratios[-1] / ratios[0])
+        shown = ", ".join(number(ratio, ".3g") for ratio in ratios[-SHOWN:])
+        rows.append((benchmark, case, shown, change, f"{last.day} {last.commit}".strip()))
+    heads = ("benchmark", "case", "times the loop", "change since the first", "last record")
+    return table(heads, rows, {0, 1, 2, 4})
 
 
 def _change(ratio: float) -> str:

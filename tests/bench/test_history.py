@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from stplan.bench import history
-from stplan.bench.history import compared, measured_in, read_history, record
+from stplan.bench.history import compared, measured_in, read_history, record, trends
 from stplan.cli import bench
 from stplan.cli.app import main
 from stplan.errors import UsageError
@@ -59,6 +59,17 @@ def test_what_is_no_history_is_left_alone(tmp_path):
     (tmp_path / "none").mkdir()
     with pytest.raises(UsageError, match="holds no benchmark"):
         record(tmp_path / "none", tmp_path / "new.csv", progress=print, loop=1.0)
+
+
+def test_trends_show_every_record_of_a_case(tmp_path):
+    path = tmp_path / "history.csv"
+    for name, circle in (("a", 1.0), ("b", 1.5), ("c", 0.5)):
+        record(_folder(tmp_path / name, circle, 2.0), path, progress=lambda said: None, loop=0.5)
+    rows = {line.split("|")[2].strip(): line for line in trends(read_history(path)).splitlines()}
+    assert "| 2, 3, 1 |" in " ".join(rows["circle of 8"].split())
+    assert "0.50 times" in rows["circle of 8"]
+    assert "| = |" in " ".join(rows["door"].split())
+    assert trends([]).count("\n") == trends(read_history(path)).count("\n") - 3
 
 
 def test_nothing_before_is_nothing_to_compare_with(tmp_path):

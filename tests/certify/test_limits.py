@@ -61,6 +61,17 @@ def test_acceleration_from_rest_to_rest(curve, greatest, when) -> None:
     assert sentence.startswith("a: acceleration ")
 
 
+@pytest.mark.parametrize(("dwell", "kept"), [(3.4, True), (3.5, False)])
+def test_a_wide_agent_stays_while_it_is_within_its_tolerance(dwell: float, kept: bool) -> None:
+    # A millionth of its radius: 2 m. At 1 m/s, 1 m beside the point, it is within for 2 sqrt(3) s.
+    scene = parse_scene(
+        "stplan: 1\nhorizon: 20\nagents:\n  - {id: a, start: [0, 0], goal: [8, 0], radius: 2.0e+6, "
+        f"waypoints: [{{at: [4, 1], dwell: {dwell}}}]}}\n"
+    )
+    curve = np.array([[0, 0, 0], [8, 0, 8.0]])
+    assert certify(scene, None, WorldLines.from_curves(["a"], [curve])).holds == kept
+
+
 def test_accelerations_are_the_same_whenever_they_happen() -> None:
     scene = parse_scene(
         "stplan: 1\nhorizon: 110\nagents:\n"

@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 from stplan.certify.box_tree import BoxTree
-from stplan.certify.wall_clearance import wall_distances
+from stplan.certify.wall_clearance import time_at, wall_distances
 from stplan.world import FreeSpace
 
 
@@ -112,3 +112,12 @@ def test_where_a_path_crosses_a_slanting_wall() -> None:
     crossings = shapely.intersection(shapely.LineString(path[:, :2]), hole.exterior)
     nearest = shapely.Point(found.place[0]).distance(crossings)
     assert nearest < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("place", "time"),
+    [([-1, 0], 5.0), ([0.4, 3], 5.4), ([2, 1], 7.0), ([3, 1], 9.0), ([9, 0], 11.0)],
+)
+def test_when_a_path_is_nearest_to_a_place(place: list[float], time: float) -> None:
+    curve = np.array([[0, 0, 5], [2, 0, 7], [4, 0, 11.0]])
+    assert time_at(curve, np.array(place)) == pytest.approx(time)
