@@ -23,7 +23,8 @@ fast. Ours starts and ends at rest, accelerates at most 3 m/s², and stays where
 start at full speed and vanish on arrival, and only CasADi is told the limit of acceleration. Clearances
 are exact, in continuous time: below 0 agents or walls overlap. Times of computing depend on the machine;
 ours is that of the whole search for the least makespan. In the room all are at most 1.3 m/s fast, without a
-limit of acceleration, and vanish on a line 0.5 m behind the door; ours is `minimise: makespan`.
+limit of acceleration, and vanish on a line 0.5 m behind the door; ours is `minimise: makespan`. What JuPedSim
+does is read from the trajectory file that it writes, as `stplan check` reads it.
 """
 # Makespan on the circle, the gap and the lane.
 QUOTED = (

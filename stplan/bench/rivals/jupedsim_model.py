@@ -1,13 +1,19 @@
-"""JuPedSim's collision-free speed model: pedestrians who slow down rather than touch."""
+"""JuPedSim's collision-free speed model: pedestrians who slow down rather than touch.
+
+What is judged is the trajectory file that it writes, read as `stplan check` reads such files.
+"""
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 import shapely
 
 from stplan.bench.rivals.task import Motion, Task
+from stplan.files.trajectories import read_trajectories
 from stplan.scene.model import Scene
 from stplan.world import FreeSpace
 
@@ -47,12 +53,31 @@ def _simulated(
     speeds: Sequence[float],
     time_limit: float,
 ) -> Motion:
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "walkers.sqlite"
+        walkers, left = _written(file, scene, floor, exits, speeds, time_limit)
+        lines = read_trajectories(file)
+    curves = dict(zip(map(int, lines.agent_ids), lines.curves(), strict=True))
+    arrived = np.array([walker not in left for walker in walkers])
+    return Motion([curves[walker] for walker in walkers], arrived)
+
+
+def _written(
+    file: Path,
+    scene: Scene,
+    floor: shapely.Geometry,
+    exits: Sequence[shapely.Geometry],
+    speeds: Sequence[float],
+    time_limit: float,
+) -> tuple[list[int], set[int]]:
+    """Simulate into a trajectory file; the numbers of all walkers, and of those who have not left in time."""
     import jupedsim
 
+    writer = jupedsim.SqliteTrajectoryWriter(output_file=file, every_nth_frame=EVERY)
     simulation = jupedsim.Simulation(
-        model=jupedsim.CollisionFreeSpeedModel(), geometry=floor, dt=STEP
+        model=jupedsim.CollisionFreeSpeedModel(), geometry=floor, dt=STEP, trajectory_writer=writer
     )
-    numbers: dict[int, int] = {}
+    walkers: list[int] = []
     journeys: dict[bytes, tuple[int, int]] = {}
     for agent, (one, area) in enumerate(zip(scene.agents, exits, strict=True)):
         if area.wkb not in journeys:
@@ -62,7 +87,7 @@ def _simulated(
                 simulation.add_journey(jupedsim.JourneyDescription([stage])),
             )
         stage, journey = journeys[area.wkb]
-        numbers[
+        walkers.append(
             simulation.add_agent(
                 jupedsim.CollisionFreeSpeedModelAgentParameters(
                     position=one.start,
@@ -73,15 +98,12 @@ def _simulated(
                     time_gap=TIME_GAP,
                 )
             )
-        ] = agent
-    rows: list[list[list[float]]] = [[[*agent.start, 0.0]] for agent in scene.agents]
+        )
     while simulation.agent_count() and simulation.elapsed_time() < time_limit:
         simulation.iterate(EVERY)
-        for walker in simulation.agents():
-            rows[numbers[walker.id]].append([*walker.position, simulation.elapsed_time()])
-    left = {numbers[walker.id] for walker in simulation.agents()}
-    arrived = np.array([agent not in left for agent in range(len(rows))])
-    return Motion([np.array(own) for own in rows], arrived)
+    left = {walker.id for walker in simulation.agents()}
+    writer.close()
+    return walkers, left
 
 
 def _floor(task: Task) -> shapely.Geometry:
