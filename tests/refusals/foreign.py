@@ -155,6 +155,9 @@ def _setup(mesh: Any, agents: Any = None) -> bytes:
     ).encode()
 
 
+# A line that crosses itself a million times.
+_SCRIBBLE = [(k * 7919 % 1000 / 100, k * 104729 % 997 / 100) for k in range(3000)]
+_SCRIBBLE_TEXT = ", ".join(f"{x} {y}" for x, y in [*_SCRIBBLE, _SCRIBBLE[0]])
 _SQUARE = "POLYGON ((0 0, 9 0, 9 9, 0 9, 0 0))"
 _Files = dict[str, Content]
 
@@ -227,6 +230,8 @@ WKT: dict[str, Content] = {
     "no area": _wkt("POLYGON ((0 0, 9 0, 0 0, 0 0))"),
     "many corners": lambda: b"LINESTRING (" + b"0 0, " * 3_000_000 + b"1 1)",
     "closing first": b")" * 1000,
+    "scribbled polygon": _wkt(f"POLYGON (({_SCRIBBLE_TEXT}))"),
+    "scribbled line": _wkt(f"LINESTRING ({_SCRIBBLE_TEXT})"),
 }
 GEOJSON: dict[str, Content] = {
     "cut": b'{"type": "FeatureCollection", "features": [',
@@ -248,6 +253,7 @@ GEOJSON: dict[str, Content] = {
     + b"9" * 10_000
     + b", 0]}}",
     "bytes": b'{"type": "Feature", "name": "\xff"}',
+    "scribble": _feature({"type": "Polygon", "coordinates": [[*_SCRIBBLE, _SCRIBBLE[0]]]}),
     "no features": b'{"type": "FeatureCollection", "features": []}',
 }
 SVG: dict[str, Content] = {
@@ -267,6 +273,16 @@ SVG: dict[str, Content] = {
     "all dark": (_SVG % "<rect width='10' height='10'/>").encode(),
     "empty": b"",
     "nothing drawn": (_SVG % "").encode(),
+    "curves far away": (_SVG % f"<path d='M0 0{'C1e8 1e8 -1e8 1e8 1 1' * 2000}'/>").encode(),
+    "corners that are drawn": (_SVG % ("<circle r='1'/>" * 8000)).encode(),
+    "comments in comments": (_SVG % f"<style>{'/*' * 200_000}</style>").encode(),
+    "scribbled stroke": (
+        _SVG % f"<polyline fill='none' stroke='black' points='{_SCRIBBLE_TEXT}'/>"
+    ).encode(),
+    "drawings in drawings": b"<svg><svg viewBox='0 0 1e-300 1' width='1e9' height='1'><g/></svg></svg>",
+    "light over dark over light": (
+        _SVG % ("<rect width='9' height='9'/><rect width='8' height='8' fill='white'/>" * 1100)
+    ).encode(),
 }
 MENGE: dict[str, Content] = {
     "billion laughs": f"{_LAUGHS}<Experiment>&e11;</Experiment>".encode(),
@@ -326,6 +342,7 @@ DRAWINGS: dict[str, Content] = {
     "cut": _dxf("", "0|LINE|8|0|10|"),
     "words": _dxf("", "0|LINE|8|0|10|a|20|b|11|1|21|1|"),
     "far": _dxf("", "0|LINE|8|0|10|0|20|0|11|1e300|21|1e300|"),
+    "circle around the world": _dxf("", "0|CIRCLE|8|0|10|0|20|0|40|1e11|"),
     "binary": b"AutoCAD Binary DXF\r\n\x1a\x00" + bytes(300),
 }
 LAYOUTS: dict[str, Content] = {

@@ -16,6 +16,7 @@ from stplan.amounts import LARGEST
 from stplan.arrays import FloatArray, Point
 from stplan.errors import SceneError
 from stplan.maps.files import FileContent
+from stplan.maps.formats.crossings import shapes_tangle
 from stplan.maps.repair import whole_shape
 
 # A file has at most so many shapes, and so many corners in all of them.
@@ -23,6 +24,7 @@ MOST_SHAPES = 500_000
 # No coordinate of a file is further from its origin, whatever its unit.
 FURTHEST = 1e12
 MOST_CORNERS = 2_000_000
+_TANGLED = "has outlines that cross each other or themselves tens of thousands of times"
 
 
 class FormatError(SceneError):
@@ -168,6 +170,7 @@ def moved(drawing: Drawing, options: FileOptions, box: FloatArray | None = None)
     shapes = drawing.shapes
     if sum(int(shapely.get_num_coordinates(shape)) for shape in shapes) > MOST_CORNERS:
         raise FormatError(f"has more than {MOST_CORNERS} corners")
+    check_crossings(shapes)
     box = bounds_of(drawing) if box is None else box
     signs = np.array([-1.0 if options.flip in (axis, "both") else 1.0 for axis in "xy"])
     middle = box[:2] + box[2:]
@@ -207,6 +210,12 @@ def moved(drawing: Drawing, options: FileOptions, box: FloatArray | None = None)
     if not np.isfinite(bounds).all() or np.abs(bounds).max() > LARGEST:
         raise FormatError("has places that are not finite or absurdly far away")
     return result
+
+
+def check_crossings(shapes: Sequence[Any]) -> None:
+    """Raise FormatError where outlines cross so often that nothing can be made of them in good time."""
+    if shapes_tangle(shapes):
+        raise FormatError(_TANGLED)
 
 
 def _moved_agent(agent: DrawnAgent, point: Callable[[Point], Point], scale: float) -> DrawnAgent:
@@ -255,6 +264,7 @@ def repaired(
     bad = ~shapely.is_valid(array)
     notes = []
     if bad.any():
+        check_crossings(array[bad])
         whole = [whole_shape(shape, blocked=blocked) for shape in array[bad]]
         array[bad] = [one.area for one in whole]
         fault = next((one.faults[0] for one in whole if one.faults), "has holes that meet its edge")

@@ -23,6 +23,7 @@ from stplan.maps.formats.drawing import (
     FileOptions,
     ForeignFormat,
     FormatError,
+    check_crossings,
     repaired,
 )
 from stplan.optional import require
@@ -31,6 +32,12 @@ LARGEST_FILE = 32 * 1024 * 1024
 # Entities in all, those of blocks counted as often as they are inserted.
 MOST_ENTITIES = 100_000
 DEEPEST_BLOCK = 16
+# Extent of a curve, in tolerances of its chords: some 10,000 of them.
+_LARGEST_CURVE = 1e8
+# All corners, those of curves and hatches included.
+MOST_CORNERS = 500_000
+# Boundaries of a hatch times corners of all of them.
+_MOST_HATCHED = 5_000_000
 # How far chords may be from a curve, m.
 _SAG = 0.005
 # Codes of $INSUNITS -> m.
@@ -156,6 +163,7 @@ class _Reader:
         self.walls: list[FloatArray] = []
         self.layers: dict[str, int] = {}
         self.left: dict[str, int] = {}
+        self.corners = 0
 
     @property
     def notes(self) -> list[str]:
@@ -215,7 +223,7 @@ class _Reader:
         for part in path.sub_paths() if path.has_sub_paths else (path,):
             if len(part) == 0:
                 continue
-            points = np.array([[p.x, p.y] for p in part.flattening(self.sag)])
+            points = self._flattened(part)
             if is_floor:
                 if part.is_closed and len(points) > 3:
                     self.floors.append(self._shrunk(shapely.Polygon(points), part.has_curves))
@@ -227,20 +235,35 @@ class _Reader:
                 self.walls.append(points)
 
     def _hatch(self, entity: Any, *, is_floor: bool) -> None:
-        paths = require("ezdxf.path", "a DXF drawing", "maps").from_hatch(entity)
+        paths = list(require("ezdxf.path", "a DXF drawing", "maps").from_hatch(entity))
         area = shapely.Polygon()
-        curved = False
+        curved, corners = False, 0
         for path in paths:
-            points = np.array([[p.x, p.y] for p in path.flattening(self.sag)])
+            points = self._flattened(path)
             curved |= path.has_curves
             if len(points) > 2:
                 # Boundaries inside one another are holes.
                 shape = shapely.make_valid(shapely.Polygon(points))
                 area = shapely.symmetric_difference(area, shape)
+                corners += len(points)
+                if corners * len(paths) > _MOST_HATCHED:
+                    raise FormatError("has a hatch of too many boundaries")
         if is_floor:
             self.floors.append(self._shrunk(area, curved))
         else:
             self.blocked.append(shapely.buffer(area, self.sag) if curved else area)
+
+    def _flattened(self, path: Any) -> FloatArray:
+        """(n, 2) chords of a path."""
+        if path.has_curves:
+            controls = np.array([[p.x, p.y] for p in path.control_vertices()])
+            if not np.ptp(controls, axis=0).max() <= _LARGEST_CURVE * self.sag:
+                raise FormatError("has a curve that is absurdly large")
+        points = np.array([[p.x, p.y] for p in path.flattening(self.sag)])
+        self.corners += len(points)
+        if self.corners > MOST_CORNERS:
+            raise FormatError(f"has more than {MOST_CORNERS} corners, those of curves included")
+        return points
 
     def _shrunk(self, area: Any, curved: bool) -> Any:
         """A floor that is inside its curved outline whatever the chords."""
@@ -266,6 +289,7 @@ def _width(entity: Any, kind: str) -> float:
 
 def _stroke(points: FloatArray, reach: float) -> Any:
     """The area of a line that is drawn wide; its ends are flat."""
+    check_crossings([shapely.linestrings(points)])
     if len(points) > 3 and (points[0] == points[-1]).all():
         return shapely.buffer(shapely.linearrings(points), reach, join_style="mitre")
     return shapely.buffer(shapely.linestrings(points), reach, cap_style="flat", join_style="mitre")

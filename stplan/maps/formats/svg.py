@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -18,12 +19,14 @@ import shapely
 
 from stplan.arrays import FloatArray
 from stplan.maps.files import FileContent
+from stplan.maps.formats.crossings import lines_tangle
 from stplan.maps.formats.drawing import (
     Beside,
     Drawing,
     FileOptions,
     ForeignFormat,
     FormatError,
+    check_crossings,
     repaired,
 )
 from stplan.maps.formats.svg_shapes import (
@@ -40,6 +43,9 @@ from stplan.maps.formats.xml_tree import Element, read_xml
 
 # Elements in all, those that are used elsewhere counted as often as used.
 MOST_DRAWN = 50_000
+# Corners in all, and how often light is painted over dark and dark over light.
+MOST_PAINTED, MOST_TURNS = 400_000, 2000
+_FURTHEST = 1e15
 # Outlines of one path, where those that turn the same way overlap.
 MOST_OVERLAPPING = 300
 # What overlaps by less, a share of all, does not.
@@ -142,12 +148,17 @@ class _Walker:
         viewport = context.viewport
         if element.tag in ("svg", "symbol") and element is not self.root:
             window, viewport = window_of(element, viewport)
-            matrix = matrix @ window
+            with np.errstate(all="ignore"):
+                matrix = matrix @ window
         for key in _CUT:
             if style.get(key, "none") != "none":
                 self._leave(f"{key} (what they cut off counts as drawn)")
+        with np.errstate(all="ignore"):
+            matrix = context.matrix @ matrix
+        if not (np.abs(matrix) <= _FURTHEST).all():
+            raise FormatError("has a transform that is absurdly large", element.line)
         inner = _Context(
-            context.matrix @ matrix,
+            matrix,
             {key: style[key] for key in _INHERITED if key in style},
             viewport,
             context.names + tuple(name.lower() for name in names if name),
@@ -210,12 +221,15 @@ def _rules(root: Element) -> dict[str, dict[str, str]]:
     """Simple selectors (a tag, a class, an id) of style sheets inside the drawing."""
     found: dict[str, dict[str, str]] = {}
     for sheet in root.all("style"):
-        for selectors, body in re.findall(
-            r"([^{}]+)\{([^{}]*)\}", re.sub(r"/\*.*?\*/", "", sheet.text, flags=re.DOTALL)
-        ):
+        for selectors, body in re.findall(r"([^{}]+)\{([^{}]*)\}", _without_comments(sheet.text)):
             for selector in selectors.split(","):
                 found.setdefault(selector.strip(), {}).update(_declarations(body))
     return found
+
+
+def _without_comments(text: str) -> str:
+    head, *rest = text.split("/*")
+    return head + "".join(part.partition("*/")[2] for part in rest)
 
 
 def _declarations(text: str) -> dict[str, str]:
@@ -236,6 +250,7 @@ class _Painter:
         # As painted: (whether it is floor, area), in turn.
         self.painted: list[tuple[bool, Any]] = []
         self.names: dict[str, None] = {}
+        self.corners = 0
 
     def paint(self, element: Element, context: _Context) -> None:
         """Add a shape."""
@@ -244,6 +259,11 @@ class _Painter:
             return
         self.names.update(dict.fromkeys(context.names))
         lines, curved = outlines(element, context.matrix, self.sag, context.viewport)
+        self.corners += sum(map(len, lines))
+        if self.corners > MOST_PAINTED:
+            raise FormatError(f"draws more than {MOST_PAINTED} corners", element.line)
+        if lines_tangle(lines):
+            raise FormatError("has a line that crosses itself far too often", element.line)
         fill = _filled(lines, style.get("fill-rule") == "evenodd")
         if self.floor or self.chosen:
             self._by_name(context.names, lines, fill, style, curved=curved)
@@ -309,6 +329,7 @@ class _Painter:
         area = page or shapely.box(
             *shapely.total_bounds(np.array([shape for _, shape in self.painted], dtype=object))
         )
+        check_crossings([shape for _, shape in self.painted])
         for is_floor, shapes in _in_turn(self.painted):
             area = (
                 shapely.union(area, shapely.intersection(shapes, page or shapes))
@@ -325,6 +346,9 @@ class _Painter:
 
 def _in_turn(painted: list[tuple[bool, Any]]) -> Iterator[tuple[bool, Any]]:
     """Runs of the same kind, united."""
+    turns = sum(one[0] != other[0] for one, other in pairwise(painted))
+    if turns > MOST_TURNS:
+        raise FormatError(f"paints light and dark over each other more than {MOST_TURNS} times")
     run: list[Any] = []
     for k, (is_floor, shape) in enumerate(painted):
         run.append(shape)

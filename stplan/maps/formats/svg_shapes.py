@@ -34,6 +34,9 @@ _UNITS = {"": 1.0, "px": 1.0, "pt": 96 / 72, "pc": 16.0, "in": 96.0, "cm": 96 / 
 LIGHT = 0.5
 _OPAQUE = 0.5
 _SIDES = 64
+_MOST_TRANSFORMS, _LARGEST_SCALE = 1000, 1e9
+# Corners of one path, curves and all.
+MOST_PATH = 200_000
 # Width and height of the page that percentages refer to.
 Viewport = tuple[float, float]
 
@@ -100,7 +103,10 @@ def _lightness(red: float, green: float, blue: float) -> float:
 def transform_of(text: str, line: int) -> FloatArray:
     """(3, 3) matrix of a list of transforms."""
     matrix = np.eye(3)
-    for name, arguments in _TRANSFORM.findall(text):
+    found = _TRANSFORM.findall(text)
+    if len(found) > _MOST_TRANSFORMS:
+        raise FormatError(f"has more than {_MOST_TRANSFORMS} transforms of one shape", line)
+    for name, arguments in found:
         numbers = [finite(word, name, line) for word in re.findall(_NUMBER, arguments)]
         matrix = matrix @ _one_transform(name, numbers, line)
     return matrix
@@ -143,6 +149,8 @@ def window_of(element: Element, viewport: Viewport) -> tuple[FloatArray, Viewpor
     if min(width, height, *size) <= 0:
         return matrix, size
     scale = np.array([size[0] / width, size[1] / height])
+    if not scale.max() <= _LARGEST_SCALE:
+        raise FormatError("has a viewBox that is absurdly small", element.line)
     fit = element.attributes.get("preserveAspectRatio", "xMidYMid").split() or ["xMidYMid"]
     if fit[0] != "none":
         scale[:] = scale.max() if fit[-1] == "slice" else scale.min()
@@ -230,6 +238,8 @@ def _path(element: Element, sag: float) -> tuple[list[FloatArray], bool]:
         drawn = command
         for k in range(0, max(len(numbers), 1), max(need, 1)):
             pen.draw(drawn, numbers[k : k + need])
+            if pen.count > MOST_PATH:
+                raise FormatError(f"has a path of more than {MOST_PATH} corners", element.line)
             drawn = {"M": "L", "m": "l"}.get(drawn, drawn)
     return pen.finished()
 
@@ -269,6 +279,7 @@ class _Pen:
         self.begin = np.zeros(2)
         self.control: tuple[str, FloatArray] = ("", np.zeros(2))
         self.curved = False
+        self.count = 0
 
     def finished(self) -> tuple[list[FloatArray], bool]:
         """All lines, and whether any is curved."""
@@ -349,6 +360,7 @@ class _Pen:
             self.line.append(self.at)
         self.line.append(place)
         self.at = place
+        self.count += 1
 
     def _lift(self) -> None:
         if self.line:
