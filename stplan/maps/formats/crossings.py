@@ -21,7 +21,7 @@ _SAMPLE, _PAIRS = 64, 20_000_000
 def lines_tangle(lines: Sequence[FloatArray]) -> bool:
     """Whether polylines (n, 2) cross each other or themselves more than `MOST_CROSSINGS` times."""
     long = [one for one in lines if len(one) > 1]
-    if sum(map(len, long)) <= _FEW:
+    if not long:
         return False
     return _tangled(np.vstack([np.hstack([one[:-1], one[1:]]) for one in long]))
 
@@ -31,8 +31,6 @@ def shapes_tangle(shapes: Sequence[Any]) -> bool:
     parts = shapely.get_parts(np.array(list(shapes), dtype=object))
     filled = shapely.get_type_id(parts) == shapely.GeometryType.POLYGON
     rings = np.concatenate([shapely.get_rings(parts[filled]), parts[~filled]])
-    if int(shapely.get_num_coordinates(rings).sum()) <= _FEW:
-        return False
     points, owner = shapely.get_coordinates(rings, return_index=True)
     return _tangled(np.hstack([points[:-1], points[1:]])[owner[:-1] == owner[1:]])
 
@@ -40,6 +38,8 @@ def shapes_tangle(shapes: Sequence[Any]) -> bool:
 def _tangled(segments: FloatArray) -> bool:
     """The crossings of some segments (n, 4), chosen without a pattern, stand for those of all."""
     count = len(segments)
+    if count <= _FEW:
+        return False
     size = max(4, min(_SAMPLE, _PAIRS // max(count, 1)))
     chosen = np.random.default_rng(0).choice(count, min(size, count), replace=False)
     crossings = sum(int(_crossed(segment, segments).sum()) for segment in segments[chosen])

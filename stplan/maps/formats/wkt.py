@@ -44,7 +44,7 @@ def wkt_shapes(text: str) -> list[shapely.Geometry]:
         try:
             with np.errstate(all="ignore"):
                 shape = shapely.from_wkt(re.sub(r"^\s*SRID=\d+;", "", piece))
-        except shapely.errors.GEOSException as error:
+        except (shapely.errors.GEOSException, NotImplementedError) as error:
             reason = str(error).splitlines()[0][:200]
             raise FormatError(f"is no valid well-known text: {reason}", line) from error
         if not np.isfinite(shapely.get_coordinates(shape)).all():
