@@ -29,6 +29,7 @@ from stplan.maps.formats.drawing import (
 from stplan.optional import require
 
 LARGEST_FILE = 32 * 1024 * 1024
+MOST_LINES = 1_500_000
 # Entities in all, those of blocks counted as often as they are inserted.
 MOST_ENTITIES = 100_000
 DEEPEST_BLOCK = 16
@@ -99,6 +100,8 @@ def read_dxf(file: FileContent, options: FileOptions, beside: Beside) -> Drawing
 def _document(file: FileContent) -> Any:
     if len(file.content) > LARGEST_FILE:
         raise FormatError(f"is larger than {LARGEST_FILE // 2**20} MiB")
+    if file.content.count(b"\n") > MOST_LINES:
+        raise FormatError(f"has more than {MOST_LINES} lines")
     ezdxf = require("ezdxf", "a DXF drawing", "maps")
     recover = require("ezdxf.recover", "a DXF drawing", "maps")
     logger = logging.getLogger("ezdxf")

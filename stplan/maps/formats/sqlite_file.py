@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from stplan.maps.formats.drawing import FormatError
+from stplan.maps.formats.json_tree import LARGEST_TEXT
 
 MOST_ROWS = 10_000_000
 # Instructions of SQLite's machine: so many for any file, and for every byte of it; and between two counts.
@@ -29,6 +30,7 @@ def query(content: bytes, statements: Sequence[str]) -> list[list[Any]]:
 
     try:
         connection.deserialize(content)
+        connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_TEXT)
         connection.execute("PRAGMA trusted_schema = OFF")
         connection.set_progress_handler(enough, STRIDE)
         found = []

@@ -21,6 +21,7 @@ from stplan.maps.formats.drawing import (
 )
 from stplan.maps.formats.json_tree import mapping, members, place, read_json_tree, ring
 
+MOST_AGENTS = 100_000
 _LEFT_OUT = ("stairs", "targetChangers", "absorbingAreas", "measurementAreas", "aerosolClouds",
              "droplets")  # fmt: skip
 
@@ -116,7 +117,10 @@ def _pedestrians(
 ) -> tuple[DrawnAgent, ...]:
     """Those that stand there already, each on its way to the middle of its first target."""
     agents = []
-    for k, entry in enumerate(members(topography, "dynamicElements", path)):
+    standing = members(topography, "dynamicElements", path)
+    if len(standing) > MOST_AGENTS:
+        raise FormatError(f"has more than {MOST_AGENTS} pedestrians")
+    for k, entry in enumerate(standing):
         if not isinstance(entry, dict) or "position" not in entry:
             continue
         at = place(entry["position"], f"{path}dynamicElements[{k}].position")
