@@ -159,9 +159,7 @@ def improve(
     if result.trajectories is None:
         return result
     if result.report.chases is not None:
-        raise UsageError(
-            f"{result.scene.name} has goals that move: what was played is past improvement"
-        )
+        raise UsageError(f"{result.scene.name} was played: that is past improvement")
     from stplan.improvement import search
 
     clock = Clock()
@@ -241,7 +239,7 @@ def prepare(scene: Scene, progress: Progress | None = None) -> PlanningProblem:
         raise UsageError(f"{scene.name} has events: `stplan solve` plans them, one after another")
     if is_play(scene):
         raise UsageError(
-            f"{scene.name} has goals that move: `stplan solve` plays it, round by round"
+            f"{scene.name} has goals that move or perception: `stplan solve` plays it, round by round"
         )
     problem = planning_problem.prepare_local(scene)
     _say_notes(scene, problem.written.free_space, progress or unheard)

@@ -114,7 +114,7 @@ def open_continuation(folder: Path, events: Sequence[Any]) -> Continuation:
             f"{recorded.source} is not as it was when {folder} was planned; plan it anew"
         )
     if is_play(before):
-        raise UsageError(f"{folder} was played, and events do not go together with goals that move")
+        raise UsageError(f"{folder} was played, and events do not go together with that")
     tree = read_tree(read_text(recorded.source), str(recorded.source))
     apply_overrides(tree, recorded.overrides)
     old = tree.value.get(KEY, [])

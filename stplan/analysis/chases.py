@@ -1,4 +1,4 @@
-"""What became of goals that move: who was caught, how near followers stayed, how near pursuers came."""
+"""What became of a scene that was played: who was caught, stayed near, came near, or got to its goal."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from stplan.problem.continuation import curves_of
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Agent, Scene
 from stplan.scene.moving_goals import REPLAN_EVERY
+from stplan.wording import count
 
 
 @dataclass(frozen=True)
@@ -80,13 +81,22 @@ class Evasion:
 
 
 @dataclass(frozen=True)
+class GoalReached:
+    """When an agent whose goal is a point is there for good, s."""
+
+    agent: str
+    time: float
+
+
+@dataclass(frozen=True)
 class Chases:
-    """What became of the goals that move of a scene."""
+    """What became of a scene that was played."""
 
     replan_every: float
     captures: tuple[Capture, ...]
     escorts: tuple[Escort, ...]
     evasions: tuple[Evasion, ...]
+    arrivals: tuple[GoalReached, ...]
 
     @property
     def sentences(self) -> list[str]:
@@ -96,7 +106,16 @@ class Chases:
             self.escorts,
             self.evasions,
         )
-        return [one.sentence for kind in kinds for one in kind]
+        sentences = [one.sentence for kind in kinds for one in kind]
+        if self.arrivals:
+            times = [one.time for one in self.arrivals]
+            mean = amount(sum(times) / len(times))
+            last = max(self.arrivals, key=lambda one: one.time)
+            sentences.append(
+                f"{count(len(times), 'agent')} with a point as goal: there at {mean} s on average, "
+                f"{last.agent} last, at {amount(last.time)} s"
+            )
+        return sentences
 
     def as_dict(self) -> dict[str, Any]:
         """For report.json."""
@@ -108,7 +127,7 @@ def chases(scene: Scene, lines: WorldLines) -> Chases:
     curves = curves_of(lines)
     end = float(lines.knots[:, 2].max())
     agents = {agent.id: agent for agent in scene.agents}
-    caught, escorts, evasions = [], [], []
+    caught, escorts, evasions, arrivals = [], [], [], []
     for agent in scene.agents:
         curve = curves[agent.id]
         goal = agent.moving_goal
@@ -119,13 +138,17 @@ def chases(scene: Scene, lines: WorldLines) -> Chases:
             ]
             if hunters:
                 caught.append(Capture(agent.id, min(hunters)[1], float(curve[-1, 2])))
+        if goal is None and curve[-1, 2] >= end:
+            away = np.flatnonzero((curve[:, :2] != curve[-1, :2]).any(axis=1))
+            there = int(away[-1]) + 1 if len(away) else 0
+            arrivals.append(GoalReached(agent.id, float(curve[there, 2])))
         if goal is not None and goal.kind == "follow":
             escorts.append(_escort(agent, curve, goal.others[0], curves[goal.others[0]]))
         if goal is not None and goal.kind == "evade":
             evasions.append(_evasion(agent, curves, end))
     caught.sort(key=lambda one: (one.time, one.prey))
     every = scene.replan_every or REPLAN_EVERY
-    return Chases(every, tuple(caught), tuple(escorts), tuple(evasions))
+    return Chases(every, tuple(caught), tuple(escorts), tuple(evasions), tuple(arrivals))
 
 
 def _pursuers(agents: dict[str, Agent], prey: str) -> list[Agent]:

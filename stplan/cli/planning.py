@@ -173,7 +173,9 @@ def _plan_one(
     if budget is not None and scene.changes:
         raise UsageError(f"{scene.name} has events: what is executed with them is past improvement")
     if budget is not None and is_play(scene):
-        raise UsageError(f"{scene.name} has goals that move: what is played is past improvement")
+        raise UsageError(
+            f"{scene.name} has goals that move or perception: what is played is past improvement"
+        )
     stop = StopRequest()
     with answered_by(stop.make):
         if seed_only:

@@ -18,9 +18,19 @@ def wishes_section(scene: Scene) -> Section:
         for agent in scene.agents
         if agent.moving_goal is not None
     ]
+    sights: dict[float, list[str]] = {}
+    for agent in scene.agents:
+        if agent.sight is not None:
+            sights.setdefault(agent.sight, []).append(agent.id)
+    facts += [
+        Fact(
+            f"{names(who)} {'sees' if len(who) == 1 else 'see'} others within {amount(sight)} m alone"
+        )
+        for sight, who in sights.items()
+    ]
     every = amount(scene.replan_every or REPLAN_EVERY)
     lead = f"The scene is played: every {every} s all decide anew, by where the others are then:"
-    return Section("chases", "Goals that move", lead, facts)
+    return Section("chases", "What nobody knows beforehand", lead, facts)
 
 
 def _wish(goal: MovingGoal) -> str:
@@ -36,4 +46,4 @@ def _wish(goal: MovingGoal) -> str:
 def outcome_section(scene: Scene, lines: WorldLines) -> Section:
     """What became of the goals that move of `scene` as `lines` were executed."""
     facts = [*map(Fact, chases(scene, lines).sentences)]
-    return Section("chases", "What became of goals that move", "When it was played:", facts)
+    return Section("chases", "What became of it", "When it was played:", facts)

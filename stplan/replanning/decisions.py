@@ -98,25 +98,25 @@ class Decisions:
 
     Args:
         places, velocities: (A, 2) of all, m and m/s.
-        present: (A,) who is still there.
+        seen: (A, A) which others an agent knows of: those present whom it sees.
     """
 
     def __init__(
-        self, field: Field, places: FloatArray, velocities: FloatArray, present: BoolArray
+        self, field: Field, places: FloatArray, velocities: FloatArray, seen: BoolArray
     ) -> None:
         self._field, self._agents, self._grounds = field, field.scene.agents, field.grounds
-        self._places, self._velocities, self._present = places, velocities, present
+        self._places, self._velocities, self._seen = places, velocities, seen
         self._index = {agent.id: a for a, agent in enumerate(self._agents)}
         self._known: dict[tuple[int, int], Distances] = {}
 
     def wish(self, a: int) -> Wish | None:
-        """What an agent wants; None where there is nobody left to want it of."""
+        """What an agent wants; None where it knows of nobody to want it of."""
         agent = self._agents[a]
         goal = agent.moving_goal
         if goal is None:
             fixed = np.array(agent.goal)
             return Wish(self._grounds[a].distances_to(fixed), fixed=fixed)
-        others = [b for name in goal.others if self._present[b := self._index[name]]]
+        others = [b for name in goal.others if self._seen[a, b := self._index[name]]]
         if not others:
             return None
         if goal.kind == "follow":

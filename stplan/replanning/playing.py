@@ -33,7 +33,7 @@ def play_out(scene: Scene, *, progress: Progress, stop: Stop) -> Plan:
     with clock.stage("world"):
         space = fitted_free_space(scene)
         if space is None:
-            raise UsageError(f"{scene.name} has goals that move, and no map")
+            raise UsageError(f"{scene.name} is played, and has no map")
         for line in warnings_of(scene, space):
             progress(line)
     with clock.stage("play"):

@@ -3,6 +3,10 @@
 One after another they choose, from a fan of short motions that end at rest, the one that leads nearest to
 what they want and keeps clear of the walls and of what all others have chosen to do. What an agent chose
 last is one of them, so that nobody is ever left without a motion that is clear until everybody stands.
+
+Whoever does not see all others keeps clear of those it sees. Of two who have to keep a distance R, and of
+whom one does not see the other, both choose motions no longer than (s - R) / 2, s the shorter of their
+sights: they are further apart than s, so they stand before they could touch, and see each other before.
 """
 
 from __future__ import annotations
@@ -88,6 +92,12 @@ class _Game:
         starts = np.array([agent.start for agent in agents])
         self._places = np.repeat(starts[:, None], self.last + 1, axis=1)
         self._present = np.ones(count, dtype=bool)
+        self._sight = np.array([np.inf if one.sight is None else one.sight for one in agents])
+        mutual = np.minimum(self._sight[:, None], self._sight[None, :])
+        spare = np.where(self._apart > 0.0, 0.5 * (mutual - self._apart), np.inf)
+        # How far each may go until it stands.
+        self._longest = (1.0 - ROOM) * spare.min(axis=1)
+        self._seen = np.ones((count, count), dtype=bool)
         self._caught: list[Caught] = []
         self._captures = captures(scene)
         self.now = 0
@@ -97,7 +107,10 @@ class _Game:
         """All decide and choose, and move until they do so again."""
         now, self._rounds = self.now, self._rounds + 1
         velocities = self._velocities(now)
-        decisions = Decisions(self._field, self._places[:, now], velocities, self._present.copy())
+        here = self._places[:, now]
+        gaps = np.hypot(*np.moveaxis(here[:, None] - here[None], -1, 0))
+        self._seen = self._present[None, :] & (gaps <= self._sight[:, None])
+        decisions = Decisions(self._field, here, velocities, self._seen)
         wishes = [
             decisions.wish(a) if self._present[a] else None for a in range(len(self._present))
         ]
@@ -168,6 +181,10 @@ class _Game:
         if wish is None:
             return np.linspace(1.0, 0.0, len(motions))
         far = np.maximum(wish.distances.at(np.ascontiguousarray(motions[:, -1])) - wish.enough, 0.0)
+        if np.isfinite(self._longest[a]):
+            # Where motions are short, how far it gets before all decide again counts as much.
+            soon = motions[:, min(self._steps, motions.shape[1]) - 1]
+            far = far + np.maximum(wish.distances.at(np.ascontiguousarray(soon)) - wish.enough, 0.0)
         for b in wish.threats:
             theirs = self._places[b, self.now + 1 : self.now + 1 + motions.shape[1]]
             gap = np.hypot(*np.moveaxis(motions - theirs, -1, 0)).min(axis=1)
@@ -175,12 +192,13 @@ class _Game:
         return far + BETTER * np.arange(len(motions))
 
     def _clear(self, a: int, motions: FloatArray) -> BoolArray:
-        """(C,) which motions (C, L, 2) from now on keep clear of walls and of what others have chosen."""
+        """(C,) which motions (C, L, 2) are short enough, and clear of walls and of what others seen chose."""
         now, here = self.now, self._places[a, self.now]
         whole = np.concatenate([np.broadcast_to(here, (len(motions), 1, 2)), motions], axis=1)
         heads, tails = whole[:, :-1].reshape(-1, 2), whole[:, 1:].reshape(-1, 2)
         clear = self._field.grounds[a].sees(heads, tails).reshape(len(motions), -1).all(axis=1)
-        others = np.flatnonzero(self._present & (self._apart[a] > 0.0))
+        clear &= _lengths(whole) <= self._longest[a]
+        others = np.flatnonzero(self._seen[a] & (self._apart[a] > 0.0))
         if not len(others):
             return np.asarray(clear)
         steps = min(motions.shape[1], self.last - now)
@@ -207,6 +225,12 @@ class _Game:
         for caught in sorted(found.values(), key=lambda one: (one.time, one.prey)):
             self._present[caught.prey] = False
             self._caught.append(caught)
+
+
+def _lengths(ways: FloatArray) -> FloatArray:
+    """(C,) lengths of ways (C, L, 2), m."""
+    step = np.diff(ways, axis=1)
+    return np.asarray(np.hypot(step[..., 0], step[..., 1]).sum(axis=1))
 
 
 def _least_gaps(offsets: FloatArray) -> FloatArray:

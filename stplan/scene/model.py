@@ -56,7 +56,8 @@ class Agent:
     `path`, where given, is the whole world line ((x, y, t), ...): the motion is prescribed, and
     `start`, `goal`, `start_time` and `max_time` repeat its ends. With `goal_places` the agent ends anywhere
     in one of them, and `goal` is a point of them that planning begins with. With a `moving_goal` it ends
-    wherever that leads, and `goal` repeats its start.
+    wherever that leads, and `goal` repeats its start. With a `sight` (m) it knows of those alone whose
+    centres are no further away.
     """
 
     id: str
@@ -79,6 +80,7 @@ class Agent:
     start_velocity: tuple[float, float] | None = added(None)
     start_duration: float = added(0.0)
     moving_goal: MovingGoal | None = added(None)  # noqa: RUF009
+    sight: float | None = added(None)
 
     @property
     def starts_as_given(self) -> bool:

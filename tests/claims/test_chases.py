@@ -70,3 +70,20 @@ def test_a_herd_splits(claim):
     ends = [own[-1, 0] for name, own in curves("chases/herd").items() if name != "dog"]
     claim("herd", "sheep that end in the west pen", sum(x < 6.0 for x in ends), at_least=2)
     claim("herd", "sheep that end in the east pen", sum(x > 24.0 for x in ends), at_least=2)
+
+
+@pytest.mark.claims
+def test_what_not_knowing_costs(claim):
+    """Whoever sees less goes slower, so that it can stop within half of what it sees"""
+    means = {
+        radius: np.mean([one.time for one in planned("chases/mist", *how).report.chases.arrivals])
+        for radius, how in {
+            "1.5 m": ("defaults.perception.radius=1.5",),
+            "3 m": (),
+            "all": ("defaults.perception.radius=1000",),
+        }.items()
+    }
+    claim("mist", "mean arrival at a sight of 3 m over that of those who see all",
+          means["3 m"] / means["all"], at_most=1.1)  # fmt: skip
+    claim("mist", "mean arrival at a sight of 1.5 m over that of those who see all",
+          means["1.5 m"] / means["all"], at_least=1.2, at_most=3.0)  # fmt: skip

@@ -18,6 +18,7 @@ from stplan.problem.continuation import curves_of
 from stplan.problem.ends import ending_as
 from stplan.problem.world_lines import WorldLines
 from stplan.replanning.execution import check, plan
+from stplan.replanning.rounds import play
 from stplan.scene import parse_scene
 from stplan.scene.model import Scene
 from stplan.world import build_free_space
@@ -187,3 +188,69 @@ def test_crowds_that_chase_each_other_are_certified(seed: int) -> None:
     assert found.certificate.holds
     everybody = replace(scene, agents=scene.agents)
     assert certify_play(everybody, build_free_space(scene), found.trajectories).holds
+
+
+def encounter(seed: int, sight: tuple[float, float]) -> Scene:
+    """Six agents that cross a hall anyhow, each with a sight of its own."""
+    rng = np.random.default_rng(seed)
+    starts = rng.permutation([(x, y) for x in (1, 3, 9, 11) for y in (1, 4, 7)])[:6]
+    goals = rng.permutation([(x, y) for x in (1, 3, 9, 11) for y in (1, 4, 7)])[:6]
+    return room(
+        *(
+            f"id: a{k}, start: [{x}, {y}], goal: [{u}, {v}], max_speed: {rng.uniform(0.5, 2.5):.2f}, "
+            f"perception: {{radius: {rng.uniform(*sight):.2f}}}"
+            for k, ((x, y), (u, v)) in enumerate(zip(starts, goals, strict=True))
+        ),
+        horizon=6,
+    )
+
+
+def executed(scene: Scene) -> tuple[str, ...]:
+    """What the certificate finds in what was executed, but for who is not yet at its goal."""
+    space = build_free_space(scene)
+    played = play(scene, space)
+    ends = [
+        replace(a, goal=tuple(c[-1, :2].tolist()))
+        for a, c in zip(scene.agents, played.curves, strict=True)
+    ]
+    names = [agent.id for agent in scene.agents]
+    lines = WorldLines.from_curves(names, list(played.curves))
+    return certify_play(replace(scene, agents=tuple(ends)), space, lines).violations
+
+
+@pytest.mark.parametrize("sight", [(0.7, 1.2), (1.0, 4.0)])
+@pytest.mark.parametrize("seed", range(3))
+def test_nobody_touches_whom_it_has_not_seen(seed: int, sight: tuple[float, float]) -> None:
+    assert executed(encounter(seed, sight)) == ()
+
+
+@pytest.mark.claims
+def test_nobody_touches_anybody_in_a_thousand_encounters() -> None:
+    rng = np.random.default_rng(0)
+    for seed in range(1000):
+        short = float(rng.uniform(0.7, 3.0))
+        assert executed(encounter(seed, (short, short + 2.0))) == (), seed
+
+
+def test_who_is_not_seen_does_not_exist() -> None:
+    """A pursuer that sees no prey stands, and one that sees it goes."""
+    far = "id: fox, start: [1, 1], goal: {pursue: hare}, perception: {radius: %g}"
+    hare = "id: hare, start: [11, 7], goal: [11, 6]"
+    stands, goes = (curves_of(plan(room(far % r, hare)).trajectories)["fox"] for r in (4, 14))
+    assert (stands[:, :2] == stands[0, :2]).all()
+    assert np.hypot(*(goes[-1, :2] - goes[0, :2])) > 5.0
+
+
+def test_short_sight_makes_slow() -> None:
+    """Whoever sees 1.4 m of others with whom it keeps 0.6 m stops within 0.4 m, from 1.2 m/s at most."""
+    scene = encounter(0, (1.4, 1.4000001))
+    speeds = [
+        np.hypot(*np.diff(curve[:, :2], axis=0).T).max() / curve[1, 2]
+        for curve in play(scene, build_free_space(scene)).curves
+    ]
+    assert 0.2 < max(speeds) < 1.2
+
+
+def test_how_far_one_sees_is_part_of_the_meaning() -> None:
+    hashes = {encounter(0, (r, r + 1e-6)).content_hash for r in (1.0, 2.0)}
+    assert len(hashes) == 2

@@ -15,7 +15,8 @@ from tests.claims.plans import SCENES, planned
 
 # Scenes that take more than a few seconds are planned by `make claims` only.
 LARGE = {
-    "aircraft/first-class", "chases/herd", "chases/slow-wolf", "circle/circle-20",
+    "aircraft/first-class", "chases/herd", "chases/mist", "chases/slow-wolf",
+    "circle/circle-20",
     "circle/circle-25", "circle/circle-30", "circle/circle-35",
     "crowds/counterflow", "crowds/evacuation", "crowds/lecture-hall",
     "crowds/platform-exchange", "crowds/stadium-mouth", "flash-mob/flash-mob", "mazes/corn", "mazes/rings",

@@ -78,6 +78,12 @@ Waypoint = Annotated[
 ]
 
 
+class PerceptionFile(FileModel):
+    """What an agent knows of others: those that are near; the others do not exist for it."""
+
+    radius: Positive = Field(description="how far it sees, m between centres")
+
+
 class SharedFields(FileModel):
     """What an agent may set, and `defaults` for all agents."""
 
@@ -111,6 +117,9 @@ class SharedFields(FileModel):
     )
     waypoints: Annotated[Annotated[list[Waypoint], Field(max_length=1000)] | None, GIVEN] = key(
         "points [x, y] in m, passed in this order at free times, or mappings with at or place, window, dwell"
+    )
+    perception: Annotated[PerceptionFile | None, GIVEN] = key(
+        "which others it knows of; default: all"
     )
     weights: Annotated[WeightsFile | None, GIVEN] = key(
         "weights of the costs; those left out come from `defaults`, one by one"

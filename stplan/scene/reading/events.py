@@ -58,7 +58,7 @@ def compile_events(
         text = "need a horizon that is stated, and go with `minimise: energy` alone"
         return (), [("events", text)]
     if is_play(scene):
-        return (), [("events", "do not go together with goals that move")]
+        return (), [("events", "do not go together with goals that move or perception")]
     plain = [deepcopy(entry) for entry in tree.get("events", [])]
     for k, event in enumerate(events):
         moment = moments.setdefault(event.at, _Moment(path=f"events[{k}]"))
@@ -136,7 +136,9 @@ def _unfit(scene: Scene, known: set[str], moment: _Moment, at: float) -> list[Fa
         if name in names and names[name].path is not None
     ]
     if is_play(scene):
-        faults.append((moment.path, "events and goals that move do not go together"))
+        faults.append(
+            (moment.path, "events and goals that move, or perception, do not go together")
+        )
     if any(rule.meet for rule in scene.pairs):
         faults.append((moment.path, "events and pairs that meet do not go together"))
     return faults

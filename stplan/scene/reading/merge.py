@@ -137,6 +137,7 @@ class _Merge:
             start_velocity=start_velocity,
             start_duration=start_duration,
             moving_goal=moving,
+            sight=None if own.path is not None else self._sight(),
         )
 
     def _weights(self) -> Weights:
@@ -179,6 +180,10 @@ class _Merge:
         if not isinstance(goal, GoalPlaceFile):
             return ()
         return self._places.of_goal(goal, self._listed.place("goal"), self._faults, self._hints)
+
+    def _sight(self) -> float | None:
+        perception = self._value("perception", None)
+        return None if perception is None else float(perception.radius)
 
     def _moving_goal(self, entry: MovingGoalFile) -> MovingGoal | None:
         path = self._listed.place("goal")

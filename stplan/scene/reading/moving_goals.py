@@ -19,6 +19,8 @@ from stplan.schema.mapping import Fault
 
 # Who is caught is so near, by default, as a multiple of the distance that the two keep.
 CAPTURE = 1.5
+# What is not planned once for all.
+PLAYED = "a scene with goals that move or with perception"
 _BELONGS = {"within": "follow", "capture": "pursue", "places": "evade"}
 
 
@@ -77,23 +79,25 @@ def moving_faults(scene: Scene, defaults: SharedFields, hints: Hints) -> list[Fa
     if not is_play(scene):
         if scene.replan_every is None:
             return []
-        return [("replan_every", "belongs to goals that move, and there are none")]
+        return [
+            ("replan_every", "belongs to goals that move and to perception, and there is neither")
+        ]
     faults = _unknown(scene, hints)
-    needs = "a scene with goals that move needs"
+    needs = f"{PLAYED} needs"
     if scene.map is None:
         faults.append(("map", f"is missing; {needs} one"))
     if scene.minimise != "energy" or scene.horizon_rule == "auto":
-        text = "need a horizon that is stated, and go with `minimise: energy` alone"
-        faults.append(("minimise", f"goals that move {text}"))
+        text = "needs a horizon that is stated, and goes with `minimise: energy` alone"
+        faults.append(("minimise", f"{PLAYED} {text}"))
     elif scene.replan_every is not None and scene.replan_every >= scene.horizon:
         every, last = distinct(scene.replan_every, scene.horizon)
         text = f"is {every} s; less than the horizon {last} s is expected"
         faults.append(("replan_every", text))
     if scene.assignments:
-        faults.append(("agents", "nobody is assigned points in a scene with goals that move"))
+        faults.append(("agents", f"nobody is assigned points in {PLAYED}"))
     for k, rule in enumerate(scene.pairs):
         if rule.meet is not None:
-            faults.append((f"pairs[{k}].meet", "does not go together with goals that move"))
+            faults.append((f"pairs[{k}].meet", f"does not go together with {PLAYED}"))
     slow = [
         a for a, agent in enumerate(scene.agents) if agent.path is None and agent.max_speed is None
     ]
@@ -104,7 +108,7 @@ def moving_faults(scene: Scene, defaults: SharedFields, hints: Hints) -> list[Fa
         faults += [(f"{scene.agent_path(a)}.max_speed", text) for a in slow]
     for a, agent in enumerate(scene.agents):
         faults += [
-            (f"{scene.agent_path(a)}.{key}", f"{why} in a scene with goals that move")
+            (f"{scene.agent_path(a)}.{key}", f"{why} in {PLAYED}")
             for key, why in _unfit(scene, agent)
         ]
     return faults
@@ -143,11 +147,19 @@ def _unknown(scene: Scene, hints: Hints) -> list[Fault]:
 
 
 def capture_faults(scene: Scene) -> list[Fault]:
-    """Captures that need no chase, or that distances do not allow."""
+    """Captures that need no chase, or that distances do not allow; sight that is too short for these."""
     whole, faults = with_captures(scene), []
     starts = np.array([agent.start for agent in scene.agents])
     everybody = np.arange(len(starts))
     pairs = PairSettings(scene).between(everybody, everybody)
+    kept_apart = np.where(pairs.collides, pairs.distance, 0.0)
+    for a, agent in enumerate(scene.agents):
+        b = int(kept_apart[a].argmax())
+        if agent.sight is not None and agent.sight <= kept_apart[a, b]:
+            given, least = distinct(agent.sight, float(kept_apart[a, b]))
+            other = scene.agents[b].id
+            text = f"is {given} m; more than the {least} m that it keeps from {other} is expected"
+            faults.append((f"{scene.agent_path(a)}.perception.radius", text))
     for a, b, capture in captures(whole):
         path, other = f"{scene.agent_path(a)}.goal.capture", scene.agents[b].id
         kept = float(pairs.distance[a, b]) if pairs.collides[a, b] else 0.0

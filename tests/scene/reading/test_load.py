@@ -60,6 +60,7 @@ def test_defaults():
         "start_velocity": None,
         "start_duration": 0.0,
         "moving_goal": None,
+        "sight": None,
         "visits": (),
         "clearance": 0.0,
         "goal_places": (),
