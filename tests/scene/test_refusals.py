@@ -63,7 +63,7 @@ FAULTS = [
             "colour: red",
             "8:5: agents[0].colour: unknown key; start_time, max_time, preferred_time, radius, clearance, "
             "mass, after_arrival, max_speed, max_acceleration, start_velocity, start_duration, waypoints, "
-            "weights, id, start, goal and path are known",
+            "perception, weights, id, start, goal and path are known",
         ),
         (
             "radius: '0.3'",
