@@ -24,11 +24,11 @@ except ImportError:
     resource = None
 
 MIB = 2**20
-# Bytes of the program and its compiled kernels; of a knot without any contact: its blocks in Ipopt's
-# matrix and their factors; of a pair of agents: its settings and its range, both ways round.
+# Bytes of the program and its compiled kernels; of a knot, which has its place in Ipopt's matrix while its
+# block is optimised and in the curves all the time; of a pair of agents: its settings and its range.
 PROGRAM = 160 * MIB
-A_KNOT = 6000
-A_PAIR = 150
+A_KNOT = 2000
+A_PAIR = 80
 
 
 def least_need(agents: int, knots: int) -> int:

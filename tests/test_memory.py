@@ -63,7 +63,7 @@ def test_a_scene_that_cannot_fit_is_refused_before_it_starts(
 
 
 def test_a_million_agents_do_not_fit_anywhere_yet():
-    with pytest.raises(SceneError, match="needs at least 69"):
+    with pytest.raises(SceneError, match="needs at least 37"):
         memory.require_memory("crowd", 1_000_000, 20_000_000)
 
 

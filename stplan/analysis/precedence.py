@@ -29,7 +29,7 @@ HALVINGS, MOST_PIECES = 48, 100_000
 
 
 @dataclass(frozen=True)
-class Passing:
+class PassingOrder:
     """One agent is off a spot before another gets there.
 
     Attributes:
@@ -61,7 +61,7 @@ class Precedence:
         agents: all ids.
     """
 
-    passings: tuple[Passing, ...]
+    passings: tuple[PassingOrder, ...]
     touching: tuple[tuple[str, str], ...]
     fixed: frozenset[str]
     agents: tuple[str, ...]
@@ -157,7 +157,7 @@ def precedence(scene: Scene, lines: WorldLines) -> Precedence:
     settings = PairSettings(scene)
     pairs = pairs[settings.colliding()[pairs[:, 0], pairs[:, 1]]]
     needs = settings.distances(pairs)
-    passings: list[Passing] = []
+    passings: list[PassingOrder] = []
     touching: list[tuple[str, str]] = []
     for (a, b), need in zip(pairs.tolist(), needs.tolist(), strict=True):
         names = scene.agents[a].id, scene.agents[b].id
@@ -266,16 +266,18 @@ def _side(head: FloatArray, tail: FloatArray, point: FloatArray) -> FloatArray:
     return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
 
 
-def _passings(names: tuple[str, str], conflicts: FloatArray, curve: FloatArray) -> list[Passing]:
+def _passings(
+    names: tuple[str, str], conflicts: FloatArray, curve: FloatArray
+) -> list[PassingOrder]:
     """Those of the (n, 4) conflicts, the first one's times first, that no other one implies."""
-    kept: list[Passing] = []
+    kept: list[PassingOrder] = []
     latest = -np.inf
     # Whoever enters earlier and has to wait for a later leaving waits for all that was left before.
     for _, left, entered, _ in conflicts[np.lexsort((-conflicts[:, 1], conflicts[:, 2]))].tolist():
         if left > latest:
             latest = left
             x, y = (float(np.interp(entered, curve[:, 2], curve[:, axis])) for axis in range(2))
-            kept.append(Passing(*names, left, entered, (x, y)))
+            kept.append(PassingOrder(*names, left, entered, (x, y)))
     return kept
 
 

@@ -8,12 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from stplan.analysis.crowd import Crowd
+from stplan.arrays import IntArray
 from stplan.certify.certificate import Certificate
-from stplan.certify.pair_clearance import nearest_moments
+from stplan.certify.near_pairs import near_pairs
+from stplan.certify.pair_clearance import nearest_moments_of
 from stplan.certify.wall_clearance import time_at, wall_distances
 
 # A clearance is tight below this share of the distance that is kept.
 TIGHT = 0.1
+# Of more pairs than this only those are looked at whose clearance is at some time below so many median radii.
+MOST_PAIRS, REACH = 200_000, 4.0
 
 
 @dataclass(frozen=True)
@@ -54,9 +58,18 @@ def certified_spots(
     return pairs, walls
 
 
+def pairs_to_look_at(crowd: Crowd) -> IntArray:
+    """(P, 2) pairs a < b that keep their distance: all of them, in large crowds those that come near."""
+    wanted = np.triu(crowd.collides, 1)
+    if np.count_nonzero(wanted) <= MOST_PAIRS:
+        return np.argwhere(wanted)
+    halves = 0.5 * (crowd.distance.max(axis=1) + REACH * float(np.median(crowd.radii)))
+    return near_pairs(crowd.lines, crowd.leaves, crowd.collides, halves)
+
+
 def pair_spots(crowd: Crowd) -> list[TightSpot]:
-    """The tightest spot of every pair that keeps its distance and is there together, tightest first."""
-    found = nearest_moments(crowd.lines, crowd.leaves, crowd.collides)
+    """The tightest spot of every pair to look at that is there together, tightest first."""
+    found = nearest_moments_of(crowd.lines, crowd.leaves, pairs_to_look_at(crowd))
     together = np.isfinite(found.distance)
     a, b = found.pairs[together].T
     needs = crowd.distance[a, b]

@@ -37,7 +37,7 @@ CROWD, DENSITY = 100, 0.08
 
 
 @dataclass(frozen=True)
-class Mended:
+class MendedDraw:
     """What came of an event.
 
     Attributes:
@@ -62,12 +62,12 @@ def crowd_scene() -> Scene:
 
 def measure(
     scenes: Sequence[Scene], draws: int, afresh: int, *, progress: Progress, rng_seed: int = 0
-) -> list[Mended]:
+) -> list[MendedDraw]:
     """`draws` events of every kind in every scene, the first `afresh` of them beside a fresh plan.
 
     The first mending of a scene is done twice, so that nothing is loaded or compiled within what is measured.
     """
-    found: list[Mended] = []
+    found: list[MendedDraw] = []
     for scene in scenes:
         before = planner.plan(scene)
         warm = False
@@ -119,15 +119,17 @@ def drawn(kind: str, scene: Scene, before: Plan, rng: np.random.Generator) -> Wo
     return WorldChange(at, replace(scene, map=closed), causes=("a closed door",))
 
 
-def mended(scene: Scene, before: Plan, kind: str, change: WorldChange, *, afresh: bool) -> Mended:
+def mended(
+    scene: Scene, before: Plan, kind: str, change: WorldChange, *, afresh: bool
+) -> MendedDraw:
     """Mend a plan, and measure."""
     world = replace(scene, changes=(change,))
     began = working_time()
     try:
         plan = go_on(world, before, [change])
     except SeedingError:
-        return Mended(scene.name, kind, len(scene.agents), working_time() - began, None)
-    one = Mended(
+        return MendedDraw(scene.name, kind, len(scene.agents), working_time() - began, None)
+    one = MendedDraw(
         scene.name, kind, len(scene.agents), working_time() - began, plan.certificate.holds
     )
     curves = curves_of(plan.trajectories or plan.seed)
@@ -152,13 +154,13 @@ def _cost(scene: Scene, curves: dict[str, FloatArray]) -> float:
     return total_kinetic_cost([masses[name] for name in curves], list(curves.values()))
 
 
-def files(measured: Sequence[Mended]) -> dict[str, bytes]:
+def files(measured: Sequence[MendedDraw]) -> dict[str, bytes]:
     """Names and contents of the files of the measurement."""
-    rows = [{name: getattr(one, name) for name in Mended.__annotations__} for one in measured]
+    rows = [{name: getattr(one, name) for name in MendedDraw.__annotations__} for one in measured]
     return result_files("replanning", csv_table(rows), markdown_text(measured))
 
 
-def markdown_text(measured: Sequence[Mended]) -> str:
+def markdown_text(measured: Sequence[MendedDraw]) -> str:
     """One row a scene and kind of event."""
     head = (
         "scene", "agents", "event", "draws", "certified", "refused", "median s", "worst s",
@@ -181,5 +183,5 @@ def markdown_text(measured: Sequence[Mended]) -> str:
     return table(head, rows, (0, 2))
 
 
-def _count(measured: Sequence[Mended], counts: Callable[[Mended], bool]) -> str:
+def _count(measured: Sequence[MendedDraw], counts: Callable[[MendedDraw], bool]) -> str:
     return str(sum(map(counts, measured)))

@@ -37,7 +37,7 @@ JOURNEYS = 3 * 8 * 2
 
 
 @dataclass(frozen=True)
-class Case:
+class ScaleCase:
     """A scene of many agents.
 
     Attributes:
@@ -81,23 +81,23 @@ class Scaled:
     kinetic: float = np.nan
 
 
-def cases() -> list[Case]:
+def cases() -> list[ScaleCase]:
     """All cases, in the order of the table."""
     fields = [(250, None, True), (500, None, True), (1000, 15.0, False), (2000, None, False)]
     fields += [(4000, 90.0, False), (8000, None, False), (10000, 300.0, False)]
     found = [
-        Case(FIELD, count, partial(wide.wide_field, count), asked, small)
+        ScaleCase(FIELD, count, partial(wide.wide_field, count), asked, small)
         for count, asked, small in fields
     ]
     found += [
-        Case(f"crossing flows, density {density:g}", 512, scene, asked)
+        ScaleCase(f"crossing flows, density {density:g}", 512, scene, asked)
         for density, asked, scene in (
             (0.12, 8.0, partial(wide.crossing_flows, 512, 0.5)),
             (0.24, 20.0, partial(wide.crossing_flows, 512, 0.5, density=0.24)),
         )
     ]
     found += [
-        Case(
+        ScaleCase(
             "warehouse, single-lane aisles", robots, partial(_warehouse, *size), asked, robots < 50
         )
         for robots, asked, size in (
@@ -107,7 +107,7 @@ def cases() -> list[Case]:
         )
     ]
     found += [
-        Case("pillars, single-lane gaps", count, partial(_pillars, count), asked)
+        ScaleCase("pillars, single-lane gaps", count, partial(_pillars, count), asked)
         for count, asked in ((200, 35.0), (400, 150.0))
     ]
     return found
@@ -122,7 +122,7 @@ def _pillars(count: int) -> Scene:
 
 
 def measure(
-    chosen: Sequence[Case], *, largest: int, workers: int, progress: Progress
+    chosen: Sequence[ScaleCase], *, largest: int, workers: int, progress: Progress
 ) -> list[Scaled]:
     """Plan every case of at most `largest` agents by one process and by `workers`."""
     found = []
@@ -133,7 +133,7 @@ def measure(
     return found
 
 
-def _measured(case: Case, workers: int) -> Scaled:
+def _measured(case: ScaleCase, workers: int) -> Scaled:
     warm_up()
     scene = case.scene()
     cpu, wall = processor_time(), time.perf_counter()

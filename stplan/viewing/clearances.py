@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stplan.analysis.paths import place_at, positions
-from stplan.analysis.tightness import TightSpot
+from stplan.analysis.tightness import TightSpot, pairs_to_look_at
 from stplan.arrays import FloatArray
 from stplan.viewing.run_view import RunView
 
@@ -31,12 +31,12 @@ def pair_clearance(view: RunView, a: int, b: int, times: FloatArray) -> FloatArr
 def smallest_clearance(view: RunView, times: FloatArray) -> tuple[FloatArray, FloatArray]:
     """(T,) smallest clearance over all pairs, and over all agents to the walls, in m; inf for none."""
     places = positions(view.lines, view.leaves, times)
-    between = np.full(len(times), np.inf)
+    a, b = pairs_to_look_at(view.crowd).T
+    needs, between = view.crowd.distance[a, b], np.full(len(times), np.inf)
     for k in range(len(times)):
-        offset = places[:, None, k] - places[None, :, k]
-        gap = np.hypot(offset[..., 0], offset[..., 1]) - view.crowd.distance
-        gap[~view.crowd.collides | np.isnan(gap)] = np.inf
-        between[k] = gap.min()
+        offset = places[a, k] - places[b, k]
+        gap = np.hypot(offset[:, 0], offset[:, 1]) - needs
+        between[k] = np.min(gap, where=~np.isnan(gap), initial=np.inf)
     return between, wall_clearance(view, places).min(axis=0)
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 
 from stplan.analysis.paths import path_length, segment_speeds
-from stplan.analysis.tightness import TightSpot, pair_spots, wall_spots
+from stplan.analysis.tightness import REACH, TightSpot, pair_spots, wall_spots
 from stplan.analysis.waiting import Wait, waits
 from stplan.arrays import FloatArray
 from stplan.viewing.clearances import smallest_clearance, touching_point
@@ -24,8 +24,8 @@ from stplan.viewing.palette import hex_colours
 from stplan.viewing.run_view import RunView
 
 _SAMPLES = 600
-# Clearances are shown up to so many times the median radius.
-_REACH = 4.0
+# So many tightest moments are listed.
+_MOMENTS = 10_000
 
 
 def page_bytes(view: RunView, other: RunView | None = None, titles: Sequence[str] = ()) -> bytes:
@@ -64,7 +64,7 @@ def page_content(
         "agents": [_agent(view, a, colour, waiting, end) for a, colour in enumerate(colours)],
         "other": None if other is None else other_content(view, other, others, colours),
         "seed": _seed(view),
-        "moments": [_moment(view, spot) for spot in spots],
+        "moments": [_moment(view, spot) for spot in spots[:_MOMENTS]],
         "clearance": _clearance(view),
     }
 
@@ -131,7 +131,7 @@ def _clearance(view: RunView) -> dict[str, Any]:
     between, to_walls = smallest_clearance(view, times)
     return {
         "times": _rounded(times),
-        "reach": _REACH * float(np.median(view.radii)),
+        "reach": REACH * float(np.median(view.radii)),
         "pairs": [float(f"{v:.4g}") if np.isfinite(v) else None for v in between.tolist()],
         "walls": [float(f"{v:.4g}") if np.isfinite(v) else None for v in to_walls.tolist()],
     }

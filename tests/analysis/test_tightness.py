@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from stplan.analysis import tightness
 from stplan.analysis.tightness import certified_spots, pair_spots, tightest, wall_spots
 from stplan.certify.certificate import certify
 from tests.analysis.crowds import ANN, EVE, SAM, crowd_of, scene_of
@@ -49,3 +50,15 @@ def test_without_walls_or_pairs_nothing_is_tight():
     assert wall_spots(crowd) == []
     nobody = replace(crowd, collides=np.zeros((2, 2), dtype=bool))
     assert pair_spots(nobody) == []
+
+
+def test_of_many_pairs_those_that_come_near_are_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    low = [[-5, 9, 0], [0, 8, 8], [5, 9, 20]]
+    crowd = crowd_of(scene_of(SAM, ANN, EVE, KIM), kim=[[-5, 1.01, 0], [5, 1.01, 10]], eve=low)
+    every = pair_spots(crowd)
+    reach = tightness.REACH * float(np.median(crowd.radii))
+    monkeypatch.setattr(tightness, "MOST_PAIRS", 0)
+    near = pair_spots(crowd)
+    assert set(near) <= set(every)
+    assert {spot for spot in every if spot.clearance < reach} <= set(near)
+    assert len(near) > 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from stplan.bench import replanning
-from stplan.bench.replanning import Mended, markdown_text, measure
+from stplan.bench.replanning import MendedDraw, markdown_text, measure
 from stplan.callbacks import unheard
 from stplan.scene import parse_scene
 
@@ -33,10 +33,10 @@ def test_every_kind_of_event_is_drawn_mended_and_compared() -> None:
 
 def test_the_table_counts_what_is_certified_and_refused() -> None:
     draws = [
-        Mended("hall", "delay", 20, 0.1, True, 11.0, 10.0),
-        Mended("hall", "delay", 20, 0.3, True, 5.0),
-        Mended("hall", "delay", 20, 2.0, None),
-        Mended("hall", "goal", 20, 0.5, None),
+        MendedDraw("hall", "delay", 20, 0.1, True, 11.0, 10.0),
+        MendedDraw("hall", "delay", 20, 0.3, True, 5.0),
+        MendedDraw("hall", "delay", 20, 2.0, None),
+        MendedDraw("hall", "goal", 20, 0.5, None),
     ]
     rows = [
         [cell.strip() for cell in line.strip("|").split("|")]

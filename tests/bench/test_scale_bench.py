@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 from stplan.bench import scale
+from stplan.bench.families_open import wide_field
 from stplan.bench.scale import FIELD, Scaled
 from stplan.bench.scale_table import markdown_text
 from stplan.cli.app import main
@@ -55,12 +58,13 @@ def test_one_process_stands_beside_all_cores() -> None:
 
 
 def test_the_command_measures_and_writes(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
-    cases = [case for case in scale.cases() if case.agents == 40]
-    monkeypatch.setattr(scale, "cases", lambda: cases)
+    few = scale.ScaleCase(FIELD, 6, partial(wide_field, 6), small=True)
+    large = scale.ScaleCase(FIELD, 9, partial(wide_field, 9))
+    monkeypatch.setattr(scale, "cases", lambda: [few, large])
     monkeypatch.setattr(scale, "in_own_process", lambda work, *arguments: work(*arguments))
     monkeypatch.setattr(scale, "warm_up", lambda: None)
     with pytest.raises(SystemExit) as ended:
         main(["bench", "scale", "-o", str(tmp_path)])
     assert ended.value.code == 0
     assert (tmp_path / "scale.md").read_text().count("certified") == 1
-    assert (tmp_path / "scale.csv").read_text().count("warehouse") == 2
+    assert (tmp_path / "scale.csv").read_text().count("converged") == 2

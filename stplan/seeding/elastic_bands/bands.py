@@ -81,7 +81,7 @@ class Bands(NamedTuple):
             num_moving=int((count[~fixed] - 1).sum()),
             radii=problem.radii,
             ceilings=problem.time_scale * problem.max_times,
-            rest_rises=np.where(may_slide(problem), rises / (count - 1), 0.0),
+            rest_rises=np.where(may_slide(problem), rises / np.maximum(count - 1, 1), 0.0),
         )
 
     def knots(self, agent: int) -> FloatArray:
