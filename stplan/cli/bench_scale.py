@@ -6,11 +6,12 @@ from typing import Annotated
 
 import typer
 
-from stplan.cli.bench import FOLDER, NO_JSON, Full, Output, benchmarks, finish
+from stplan.cli.bench import FOLDER, NO_JSON, Full, Output, benchmarks, finish, names_in
 from stplan.cli.bench_crowds import app
 from stplan.cli.command import command
 from stplan.cli.console import Console
 from stplan.cli.cores import usable_cores
+from stplan.errors import UsageError
 
 __all__ = ["app", "scale"]
 
@@ -20,6 +21,7 @@ def scale(
     console: Console,
     *,
     output: Output = FOLDER,
+    families: Annotated[str, typer.Option(metavar="A,B", help="Only scenes that begin so.")] = "",
     largest: Annotated[
         int, typer.Option(min=1, metavar="N", help="Leave out scenes of more agents.")
     ] = 10000,
@@ -34,13 +36,18 @@ def scale(
     \b
     Examples:
       stplan bench scale
-      stplan bench scale --full --largest 1000
+      stplan bench scale --full --families open,crossing --largest 1000
     """
     from stplan.bench import scale, scale_table
     from stplan.bench.plots import require_matplotlib
 
     require_matplotlib()
-    chosen = [case for case in scale.cases() if full or case.small]
+    begins = tuple(names_in(families)) or ("",)
+    chosen = [
+        case for case in scale.cases() if (full or case.small) and case.family.startswith(begins)
+    ]
+    if not chosen:
+        raise UsageError(f"--families {families}: no such scenes")
     measured = scale.measure(
         chosen, largest=largest, workers=usable_cores(), progress=console.progress
     )

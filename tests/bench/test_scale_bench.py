@@ -66,5 +66,8 @@ def test_the_command_measures_and_writes(tmp_path, monkeypatch: pytest.MonkeyPat
     with pytest.raises(SystemExit) as ended:
         main(["bench", "scale", "-o", str(tmp_path)])
     assert ended.value.code == 0
+    with pytest.raises(SystemExit) as refused:
+        main(["bench", "scale", "--families", "closed", "-o", str(tmp_path / "none")])
+    assert refused.value.code == 2
     assert (tmp_path / "scale.md").read_text().count("certified") == 1
     assert (tmp_path / "scale.csv").read_text().count("converged") == 2
