@@ -20,7 +20,7 @@ test: $(VENV)/.installed-dev ## run the tests, on all cores
 	@$(BIN)/python -m pytest -n auto --dist loadfile
 
 claims: $(VENV)/.installed-dev ## plan every scene, large ones too, assert the paper's claims, write docs/claims.md
-	@$(BIN)/python -m pytest -m "claims or not claims" tests/scenes tests/claims tests/explain/test_agreement.py --figures docs/claims.md
+	@$(BIN)/python -m pytest -m "claims or not claims" tests/scenes tests/claims tests/replanning/test_rounds.py tests/explain/test_agreement.py --figures docs/claims.md
 
 check: $(VENV)/.installed-dev ## format, lint, types, layers, then the tests: what CI runs
 	$(BIN)/ruff format --check .
