@@ -209,8 +209,11 @@ def executed(scene: Scene) -> tuple[str, ...]:
     """What the certificate finds in what was executed, but for who is not yet at its goal."""
     space = build_free_space(scene)
     played = play(scene, space)
+    # Who is still under way when the play is over need not have braked.
     ends = [
-        replace(a, goal=tuple(c[-1, :2].tolist()))
+        a
+        if tuple(c[-1, :2].tolist()) == a.goal
+        else replace(a, goal=tuple(c[-1, :2].tolist()), max_acceleration=None)
         for a, c in zip(scene.agents, played.curves, strict=True)
     ]
     names = [agent.id for agent in scene.agents]
