@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from stplan.certify.certificate import Certificate
 from stplan.files.atomic import write_set
@@ -13,11 +14,13 @@ from stplan.files.manifest import KEY, manifest
 from stplan.files.recorded import REPORT, RUN_RECORD
 from stplan.files.trajectories import curve_files
 from stplan.multistart import own_cost
-from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.report import Report, RivalReport, RunRecord
 from stplan.scene.model import Scene
 from stplan.status import Status
+
+if TYPE_CHECKING:
+    from stplan.world import FreeSpace
 
 
 @dataclass(frozen=True)
@@ -95,8 +98,7 @@ def cheapest(plans: Sequence[Plan]) -> Plan:
     return replace(best, report=replace(best.report, rivals=rivals))
 
 
-def notes_of(problem: PlanningProblem) -> tuple[str, ...]:
-    """What the user has to know about the map of `problem`, by key."""
-    free_space = problem.written.free_space
-    notes = () if free_space is None else free_space.notes
+def notes_of(space: FreeSpace | None) -> tuple[str, ...]:
+    """What the user has to know about a map, by key."""
+    notes = () if space is None else space.notes
     return tuple(f"{note.path}: {note.sentence}" for note in notes)

@@ -207,7 +207,12 @@ def seed(scene: Scene, *, progress: Progress | None = None, stop: Stop | None = 
     (initial,) = find_initial_curves(problem, progress=progress, stop=stop, clock=clock)
     found = SeedReport.of(initial.seed, initial.world_lines, initial.certificate, scene)
     content = Report(
-        scene, Status.SEEDED, initial.certificate, found.metrics, found, notes=notes_of(problem)
+        scene,
+        Status.SEEDED,
+        initial.certificate,
+        found.metrics,
+        found,
+        notes=notes_of(problem.written.free_space),
     )
     return Plan(initial.world_lines, None, content, RunRecord.of(clock))
 
@@ -389,6 +394,8 @@ def _planned(
     found = SeedReport.of(initial.seed, initial.world_lines, initial.certificate, scene)
     made = OptimisationReport.of(scene, optimised)
     figures = metrics(ending_as(scene, lines), lines)
-    content = Report(scene, status, certificate, figures, found, made, notes=notes_of(problem))
+    content = Report(
+        scene, status, certificate, figures, found, made, notes=notes_of(problem.written.free_space)
+    )
     run = RunRecord.of(clock, OptimisationTimes.of(optimised, clock.seconds["optimise"]))
     return Plan(initial.world_lines, lines, content, run)

@@ -11,6 +11,7 @@ import numpy as np
 from stplan.amounts import amount
 from stplan.arrays import FloatArray
 from stplan.problem.continuation import curves_of
+from stplan.problem.ends import last_moment
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Agent, Scene
 from stplan.scene.moving_goals import REPLAN_EVERY
@@ -125,7 +126,7 @@ class Chases:
 def chases(scene: Scene, lines: WorldLines) -> Chases:
     """What became of the goals that move of `scene` as `lines` (in any order) were executed."""
     curves = curves_of(lines)
-    end = float(lines.knots[:, 2].max())
+    end = last_moment(lines)
     agents = {agent.id: agent for agent in scene.agents}
     caught, escorts, evasions, arrivals = [], [], [], []
     for agent in scene.agents:
@@ -133,8 +134,7 @@ def chases(scene: Scene, lines: WorldLines) -> Chases:
         goal = agent.moving_goal
         if curve[-1, 2] < end:
             hunters = [
-                (_distance(curve, curves[one.id])[-1], one.id)
-                for one in _pursuers(agents, agent.id)
+                (_gaps(curve, curves[one.id])[1][-1], one.id) for one in _pursuers(agents, agent.id)
             ]
             if hunters:
                 caught.append(Capture(agent.id, min(hunters)[1], float(curve[-1, 2])))
@@ -161,27 +161,22 @@ def _pursuers(agents: dict[str, Agent], prey: str) -> list[Agent]:
     ]
 
 
-def _times(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Knots of either curve while both are there, s."""
+def _gaps(one: FloatArray, other: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(n,) knots of either curve while both are there, s, and how far apart the centres are then, m."""
     times = np.union1d(one[:, 2], other[:, 2])
     first, last = max(one[0, 2], other[0, 2]), min(one[-1, 2], other[-1, 2])
-    return np.asarray(times[(times >= first) & (times <= last)])
-
-
-def _distance(one: FloatArray, other: FloatArray) -> FloatArray:
-    """(n,) between centres at `_times`, m."""
-    times = _times(one, other)
-    gaps = [
+    times = times[(times >= first) & (times <= last)]
+    offsets = [
         np.interp(times, one[:, 2], one[:, x]) - np.interp(times, other[:, 2], other[:, x])
         for x in range(2)
     ]
-    return np.asarray(np.hypot(*gaps))
+    return times, np.hypot(*offsets)
 
 
 def _escort(agent: Agent, curve: FloatArray, leader: str, other: FloatArray) -> Escort:
     """How well an agent follows, between knots by the distances at them."""
     within = agent.moving_goal.within if agent.moving_goal is not None else 0.0
-    times, distance = _times(curve, other), _distance(curve, other)
+    times, distance = _gaps(curve, other)
     near = distance <= within
     if not near.any():
         return Escort(agent.id, leader, within, None, 0.0, float(distance.max()))
@@ -196,8 +191,8 @@ def _evasion(agent: Agent, curves: dict[str, FloatArray], end: float) -> Evasion
     curve = curves[agent.id]
     found = []
     for name in agent.moving_goal.others if agent.moving_goal is not None else ():
-        distance = _distance(curve, curves[name])
+        times, distance = _gaps(curve, curves[name])
         k = int(distance.argmin())
-        found.append((float(distance[k]), name, float(_times(curve, curves[name])[k])))
+        found.append((float(distance[k]), name, float(times[k])))
     least, name, time = min(found)
     return Evasion(agent.id, name, least, time, bool(curve[-1, 2] < end))

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.geometry.rod_distances import segment_distances
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.interactions import PairSettings
 from stplan.scene.model import Scene
@@ -245,25 +246,13 @@ def _joined(parts: Sequence[_Pieces]) -> _Pieces:
 
 def _distances(one: _Pieces, other: _Pieces) -> FloatArray:
     """(n,) least distance between the segments that pieces sweep, 0 where these cross."""
-    a, b, c, d = one.heads, one.tails, other.heads, other.tails
-    least = np.minimum.reduce(
-        [_to_segment(a, c, d), _to_segment(b, c, d), _to_segment(c, a, b), _to_segment(d, a, b)]
-    )
-    crosses = (_side(a, b, c) * _side(a, b, d) < 0) & (_side(c, d, a) * _side(c, d, b) < 0)
-    return np.where(crosses, 0.0, least)
-
-
-def _to_segment(point: FloatArray, head: FloatArray, tail: FloatArray) -> FloatArray:
-    along = tail - head
-    squared = (along**2).sum(axis=1)
-    share = ((point - head) * along).sum(axis=1) / np.where(squared > 0.0, squared, 1.0)
-    nearest = head + np.clip(share, 0.0, 1.0)[:, None] * along
-    return np.asarray(np.hypot(*(point - nearest).T))
-
-
-def _side(head: FloatArray, tail: FloatArray, point: FloatArray) -> FloatArray:
-    u, v = tail - head, point - head
-    return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+    count = len(one.begins)
+    flat = np.vstack([one.heads, one.tails, other.heads, other.tails])
+    positions = np.column_stack([flat, np.zeros(len(flat))])
+    points = np.arange(4 * count).reshape(2, 2, count)
+    segments = np.ascontiguousarray(points.transpose(0, 2, 1).reshape(-1, 2))
+    pairs = np.column_stack([np.arange(count), np.arange(count, 2 * count)])
+    return segment_distances(positions, segments, pairs)
 
 
 def _passings(

@@ -92,10 +92,15 @@ def scattered(
     return np.array(points).reshape(-1, 2)
 
 
+def _side(count: int, radius: float, density: float) -> float:
+    """Of a square that `count` discs fill to `density`, m."""
+    return float(np.sqrt(count * np.pi * radius**2 / density))
+
+
 def open_field(count: int, density: float, rng_seed: int = 0, radius: float = 0.5) -> Scene:
     """Random starts and goals in a square that discs fill to `density`; 1 m/s would cross it."""
     rng = np.random.default_rng(rng_seed)
-    side = float(np.sqrt(count * np.pi * radius**2 / density))
+    side = _side(count, radius, density)
     box = np.zeros(2), np.full(2, side)
     starts = scattered(rng, count, *box, 2.2 * radius)
     goals = scattered(rng, count, *box, 2.2 * radius)
@@ -111,7 +116,7 @@ def wide_field(
 ) -> Scene:
     """The same with ways of at most `longest` m, 1 m/s for the longest."""
     rng = np.random.default_rng(rng_seed)
-    side = float(np.sqrt(count * np.pi * radius**2 / density))
+    side = _side(count, radius, density)
     starts = scattered(rng, count, np.zeros(2), np.full(2, side), 2.2 * radius)
     places, goals = _Places(2.2 * radius), list[FloatArray]()
     while len(goals) < count:
@@ -131,7 +136,7 @@ def crossing_flows(
 ) -> Scene:
     """Half of the agents walk east, half north, through a square that each fills half."""
     rng = np.random.default_rng(rng_seed)
-    side = float(np.sqrt(count * np.pi * radius**2 / density))
+    side = _side(count, radius, density)
     half = count // 2
     apart = 2.2 * radius
     west = scattered(rng, half, np.array([-side / 2, 0.0]), np.array([0.0, side]), apart)

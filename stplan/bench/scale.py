@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -143,22 +143,19 @@ def _measured(case: ScaleCase, workers: int) -> Scaled:
     except SeedingError:
         return blank
     except StplanError as error:
-        return Scaled(case.family, len(scene.agents), workers, case.asked, str(error))
+        return replace(blank, status=str(error))
     times = planned.run.optimisation
-    return Scaled(
-        case.family,
-        len(scene.agents),
-        workers,
-        case.asked,
-        planned.status,
-        planned.certificate.holds,
-        time.perf_counter() - wall,
-        processor_time() - cpu,
-        planned.run.seconds["seed"],
-        np.nan if times is None else times.parts,
-        total_peak() / MIB,
-        len(planned.seed.knots),
-        planned.report.metrics.kinetic_over_straight or np.nan,
+    return replace(
+        blank,
+        status=planned.status,
+        certified=planned.certificate.holds,
+        seconds=time.perf_counter() - wall,
+        processor_seconds=processor_time() - cpu,
+        seed_seconds=planned.run.seconds["seed"],
+        parts_seconds=np.nan if times is None else times.parts,
+        peak_mib=total_peak() / MIB,
+        knots=len(planned.seed.knots),
+        kinetic=planned.report.metrics.kinetic_over_straight or np.nan,
     )
 
 

@@ -7,8 +7,9 @@ the widest barriers, so it moves far in few steps.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
+from stplan.callbacks import Stop, unheard
 from stplan.optimize.continuation import Optimisation, optimise
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
@@ -22,7 +23,7 @@ def optimise_rival(
     seed: WorldLines,
     known: Sequence[Sequence[float]],
     *,
-    stop: Callable[[], bool],
+    stop: Stop,
 ) -> Optimisation | None:
     """`seed` optimised, None where it looks dearer on the way, or is stopped.
 
@@ -38,9 +39,5 @@ def optimise_rival(
         dear = bool(before) and objective > SCREEN * min(before)
         return not dear
 
-    found = optimise(problem, seed, progress=_unheard, stop=stop, proceed=proceed)
+    found = optimise(problem, seed, progress=unheard, stop=stop, proceed=proceed)
     return None if dear or stop() else found
-
-
-def _unheard(line: str) -> None:
-    del line

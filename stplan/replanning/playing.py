@@ -8,7 +8,7 @@ from stplan.callbacks import Progress, Stop
 from stplan.certify.play import certify_play
 from stplan.clock import Clock
 from stplan.errors import BrokenSeedError, SeedingError, StoppedError, UsageError
-from stplan.planned import Plan
+from stplan.planned import Plan, notes_of
 from stplan.problem.ends import ending_as
 from stplan.problem.world_lines import WorldLines
 from stplan.replanning.rounds import play
@@ -70,6 +70,6 @@ def play_out(scene: Scene, *, progress: Progress, stop: Stop) -> Plan:
         None if tightest is None else tightest.clearance,
         figures,
     )
-    notes = tuple(f"{note.path}: {note.sentence}" for note in space.notes)
+    notes = notes_of(space)
     content = Report(shown, Status.PLAYED, certificate, figures, seed, notes=notes, chases=found)
     return Plan(lines, lines, content, RunRecord.of(clock))

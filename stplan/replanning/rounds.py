@@ -146,7 +146,8 @@ class _Game:
         limits, first = self._limits[a], now == 0
         old = self._places[a, now + 1 :]
         if wish is not None and wish.fixed is not None and not (here == wish.fixed).all():
-            longest = min(WINDOWS[-1] * self._steps + limits.stopping + 1, left)
+            # It stands for a step at least: whoever is at its goal with the last one brakes in half of it.
+            longest = min(WINDOWS[-1] * self._steps + limits.stopping + 1, left - 1)
             for points in arrivals(limits, here, velocity, wish.fixed, longest, first=first):
                 rest = np.repeat(points[-1:], left - len(points), axis=0)
                 motion = np.vstack([points, rest])[None]
