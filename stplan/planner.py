@@ -206,14 +206,8 @@ def seed(scene: Scene, *, progress: Progress | None = None, stop: Stop | None = 
     scene = problem.written.scene
     (initial,) = find_initial_curves(problem, progress=progress, stop=stop, clock=clock)
     found = SeedReport.of(initial.seed, initial.world_lines, initial.certificate, scene)
-    content = Report(
-        scene,
-        Status.SEEDED,
-        initial.certificate,
-        found.metrics,
-        found,
-        notes=notes_of(problem.written.free_space),
-    )
+    notes = notes_of(problem.written.free_space)
+    content = Report(scene, Status.SEEDED, initial.certificate, found.metrics, found, notes=notes)
     return Plan(initial.world_lines, None, content, RunRecord.of(clock))
 
 
