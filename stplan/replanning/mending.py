@@ -202,14 +202,7 @@ class _Mending:
                 gap = wall_clearance(rest, a, curves[a])
                 if gap <= rest.radii[a]:
                     group.add(a)
-        known = sorted(curves)
-        part = restricted(rest, np.array(known))
-        for one, other, _ in rod_clearances(part, [curves[a] for a in known]).violations:
-            pair = {known[one], known[other]}
-            group |= {
-                a for a in pair if a < self._problem.num_agents and not self._problem.prescribed[a]
-            }
-        return group
+        return group.union(*(pair & self._planning for pair in self._touching(curves)))
 
     def _on_their_ways(
         self, group: set[int], curves: Mapping[int, FloatArray]
@@ -310,11 +303,15 @@ class _Mending:
 
     def _touched(self, curves: Mapping[int, FloatArray], group: set[int]) -> set[int]:
         """Those who plan, and whose curves touch one of a `group`, or are touched."""
+        touching = self._touching(curves)
+        return {a for pair in touching if pair & group for a in pair & self._planning}
+
+    def _touching(self, curves: Mapping[int, FloatArray]) -> list[set[int]]:
+        """Pairs whose curves touch."""
         known = sorted(curves)
         part = restricted(self._rest, np.array(known))
         pairs = rod_clearances(part, [curves[a] for a in known]).violations
-        touching = [{known[one], known[other]} for one, other, _ in pairs]
-        return {a for pair in touching if pair & group for a in pair & self._planning}
+        return [{known[one], known[other]} for one, other, _ in pairs]
 
 
 def _hurried(problem: PlanningProblem, *, everybody: bool) -> PlanningProblem:
