@@ -1,8 +1,7 @@
 """The whole story: prepare -> seed -> restore -> certify -> optimise -> certify -> write.
 
-Every stage is a function of the prepared problem and of what the stage before it gave. `plan` and
-`stplan batch` go through all of them; `seed`, `explain` and the benchmarks as far as they need. Curves are
-found in the local frame of the problem, and certified and written in the user's coordinates.
+Every stage is a function of the prepared problem and of what the stage before it gave. Curves are found in
+the local frame of the problem, and certified and written in the user's coordinates.
 """
 
 from __future__ import annotations
@@ -25,10 +24,12 @@ from stplan.improvement.budget import ImprovementBudget
 from stplan.multistart import best_seeds
 from stplan.nlp.ipopt.adapter import require_options
 from stplan.nlp.ipopt.linear_solvers import chosen_linear_solver
+from stplan.optimize.cluster_workers import on_cluster
 from stplan.optimize.continuation import LiveLine, Optimisation
 from stplan.optimize.restoration import restore
 from stplan.optimize.rivals import optimise_rival
 from stplan.optimize.whole import optimise_whole
+from stplan.optimize.workers import WorkersFor, on_this_machine
 from stplan.planned import Plan, cheapest, notes_of, plan_files, write_plan
 from stplan.problem import planning_problem
 from stplan.problem.ends import ending_as, fixed_at, lasting_as
@@ -49,6 +50,8 @@ from stplan.seeding.portfolio import Seed
 from stplan.status import Status
 
 if TYPE_CHECKING:
+    from distributed import Client
+
     from stplan.world import FreeSpace
 
 __all__ = [
@@ -94,6 +97,7 @@ def plan(
     live: LiveLine | None = None,
     stop: Stop | None = None,
     num_workers: int = 1,
+    cluster: Client | None = None,
 ) -> Plan:
     """Plan `scene`: find a seed, optimise it, certify the result.
 
@@ -104,6 +108,7 @@ def plan(
             feasible ones so far. `stplan.stopping` has one for handlers of signals.
         num_workers: processes that optimise blocks of many agents at the same time, forked off this one where
             the system can; the plan is the same for any number.
+        cluster: a client of a Dask cluster whose workers optimise the blocks instead.
 
     Raises:
         SceneError: the scene does not fit its map, or not into memory.
@@ -112,6 +117,7 @@ def plan(
         StoppedError: stopped before there were curves that keep all that the scene asks.
     """
     progress, stop = progress or unheard, stop or never
+    workers = on_this_machine(num_workers) if cluster is None else on_cluster(cluster)
     clock = Clock()
     with clock.stage("world"):
         problem = prepare(scene, progress)
@@ -129,7 +135,7 @@ def plan(
             continue
         with clock.stage("optimise"):
             sharp, optimised = _optimised(
-                problem, initial, progress=progress, live=live, stop=stop, num_workers=num_workers
+                problem, initial, progress=progress, live=live, stop=stop, workers=workers
             )
         plans.append(_planned(sharp, initial, optimised, clock))
     best = cheapest(plans)
@@ -153,8 +159,7 @@ def improve(
 ) -> Plan:
     """`result`, a plan with trajectories, with the cheapest ones that the moves of `budget` lead to.
 
-    Never dearer, and certified; everybody ends where it did. `stop`, asked again and again, ends with the
-    best so far.
+    Never dearer, and certified; everybody ends where it did. `stop` ends with the best so far.
     """
     if result.trajectories is None:
         return result
@@ -329,7 +334,7 @@ def _optimised(
     progress: Progress,
     live: LiveLine | None,
     stop: Stop,
-    num_workers: int,
+    workers: WorkersFor,
 ) -> tuple[PlanningProblem, Optimisation]:
     """The optimised curves, and the problem in the metric they were optimised in.
 
@@ -342,7 +347,7 @@ def _optimised(
     for given in (initial.problem, problem):
         sharp = sharpened(given, lines)
         optimised = optimise_whole(
-            sharp, lines, progress=progress, live=live, stop=stop, num_workers=num_workers
+            sharp, lines, progress=progress, live=live, stop=stop, workers=workers
         )
         latest = arrivals_of(optimised.world_lines)
         spare = given.max_times - latest > SPARE_TIME * (latest - given.start_times)

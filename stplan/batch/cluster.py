@@ -6,12 +6,8 @@ workers, under the same path.
 
 from __future__ import annotations
 
-import gc
-import logging
 import queue
-import threading
 from collections.abc import Generator, Iterator, Sequence
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from stplan.batch.events import GO_ON, Event, Finished, Progress, Started, Stop
@@ -19,18 +15,11 @@ from stplan.batch.outcome import Outcome, RunState
 from stplan.batch.runs import Run
 from stplan.batch.worker import execute
 from stplan.callbacks import unheard
+from stplan.clusters import ALONE, TICK, connected
 from stplan.errors import UsageError
 
 if TYPE_CHECKING:
     from distributed import Client, Future
-
-LOCAL = "local"
-# How long a scheduler may take to answer.
-PATIENCE = "10s"
-# Seconds after which a request to stop, or the loss of the scheduler, is noticed at the latest.
-_TICK = 0.5
-# MUMPS, the linear solver, keeps state of its own: one run at a time in a process.
-_ALONE = threading.Lock()
 
 
 def run_on_cluster(
@@ -54,7 +43,7 @@ def run_on_cluster(
     """
     if not runs:
         return
-    with _client(address, jobs) as client:
+    with connected(address, jobs) as client:
         yield from _Submission(client, runs, timeout, retries, stop).events()
 
 
@@ -84,7 +73,7 @@ class _Submission:
             if self._client.status != "running":
                 raise UsageError(f"the Dask scheduler is gone; {GO_ON}")
             try:
-                name = self._over.get(timeout=_TICK)
+                name = self._over.get(timeout=TICK)
             except queue.Empty:
                 continue
             yield self._outcome(name)
@@ -117,33 +106,5 @@ class _Submission:
 
 def execute_alone(run: Run, timeout: float | None) -> Outcome:
     """`execute`, one at a time in a process."""
-    with _ALONE:
+    with ALONE:
         return execute(run, timeout, unheard)
-
-
-@contextmanager
-def _client(address: str, jobs: int) -> Iterator[Client]:
-    try:
-        from distributed import Client, LocalCluster
-    except ImportError as error:
-        raise UsageError("--dask needs Dask: pip install 'stplan[dask]'") from error
-    if address == LOCAL:
-        # One thread a worker; a killed one is told by the outcome, not by pages of log.
-        with (
-            LocalCluster(
-                n_workers=jobs, threads_per_worker=1, dashboard_address=None,
-                silence_logs=logging.CRITICAL,
-            ) as cluster,
-            Client(cluster) as client,
-        ):  # fmt: skip
-            yield client
-        return
-    # A client that failed to connect before is finalised now: while another one starts, its finaliser
-    # would wait for ever for a lock that this thread holds.
-    gc.collect()
-    try:
-        client = Client(address, timeout=PATIENCE)
-    except (OSError, ValueError) as error:
-        raise UsageError(f"--dask {address}: no Dask scheduler answers there") from error
-    with client:
-        yield client

@@ -54,6 +54,14 @@ Workers = Annotated[
         help="Processes that optimise blocks of many agents at the same time.  [default: all cores]",
     ),
 ]
+Cluster = Annotated[
+    str | None,
+    typer.Option(
+        "--dask",
+        metavar="ADDRESS",
+        help="Optimise blocks of many agents on this Dask cluster; 'local' starts one here.",
+    ),
+]
 Budget = Annotated[
     str | None,
     typer.Option(

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stplan.cli.command import command, group
 from stplan.cli.console import Console, note_failure, worst
 from stplan.cli.cores import usable_cores
-from stplan.cli.options import Budget, Output, Overrides, ScenePaths, Workers
+from stplan.cli.options import Budget, Cluster, Output, Overrides, ScenePaths, Workers
 from stplan.cli.scenes import read_scene
 from stplan.cli.signals import answered_by
 from stplan.errors import SceneError, StoppedError, UsageError
 from stplan.stopping import StopRequest
 
 if TYPE_CHECKING:
+    from distributed import Client
+
     from stplan.analysis.metrics import AgentMetrics
     from stplan.improvement.budget import ImprovementBudget
     from stplan.planner import Plan
@@ -36,13 +39,14 @@ def solve(
     overrides: Overrides = None,
     improve: Budget = None,
     workers: Workers = None,
+    dask: Cluster = None,
 ) -> int:
     """Plan scenes; write their trajectories and a report.
 
     For every scene initial curves are found that are clear of each other and of the walls, then all
     are made smooth and cheap at once, and the result is certified by code of its own. Interrupted
     (Ctrl-C, SIGTERM) it writes the best feasible trajectories so far. The same scene gives the same
-    bytes, run.json excepted, whatever --workers.
+    bytes, run.json excepted, whatever --workers and --dask.
 
     With --improve the plan is improved afterwards: other ways around each other are tried for a few
     agents at a time, and what is cheaper and certified is kept.
@@ -56,11 +60,16 @@ def solve(
       stplan solve scene.yaml -o results --set solver.outer_iterations=8
       stplan solve scenes/*/*.yaml --quiet
       stplan solve scenes/tight/cabin.yaml --improve 30s
+      stplan solve city.yaml --dask tcp://10.0.0.1:8786
     """
-    return _plan_scenes(
-        console, scenes, output, overrides or [],
-        seed_only=False, improve=improve, num_workers=workers or usable_cores(),
-    )  # fmt: skip
+    from stplan.clusters import connected
+
+    num_workers = workers or usable_cores()
+    with nullcontext() if dask is None else connected(dask, num_workers) as cluster:
+        return _plan_scenes(
+            console, scenes, output, overrides or [],
+            seed_only=False, improve=improve, num_workers=num_workers, cluster=cluster,
+        )  # fmt: skip
 
 
 @command(app)
@@ -92,6 +101,7 @@ def _plan_scenes(
     seed_only: bool,
     improve: str | None = None,
     num_workers: int = 1,
+    cluster: Client | None = None,
 ) -> int:
     """Plan every scene that can be read; all that cannot are named first."""
     from stplan.improvement.budget import ImprovementBudget
@@ -105,7 +115,8 @@ def _plan_scenes(
         try:
             _plan_one(
                 console, scene, output, budget,
-                seed_only=seed_only, prefix=prefix, record=record, num_workers=num_workers,
+                seed_only=seed_only, prefix=prefix, record=record,
+                num_workers=num_workers, cluster=cluster,
             )  # fmt: skip
         except (Exception, KeyboardInterrupt) as error:
             if isinstance(error, KeyboardInterrupt) and "files" in record:
@@ -161,6 +172,7 @@ def _plan_one(
     prefix: str,
     record: Record,
     num_workers: int,
+    cluster: Client | None,
 ) -> None:
     """Plan a scene, write its files and fill its record."""
     from stplan import planner
@@ -183,8 +195,9 @@ def _plan_one(
         else:
             with console.live_line(prefix) as live:
                 planned = execution.plan(
-                    scene, progress=progress, live=live, stop=stop, num_workers=num_workers
-                )
+                    scene, progress=progress, live=live, stop=stop,
+                    num_workers=num_workers, cluster=cluster,
+                )  # fmt: skip
                 if budget is not None:
                     planned = planner.improve(
                         planned, budget, progress=progress, live=live, stop=stop

@@ -17,7 +17,7 @@ from stplan.callbacks import Progress, Stop
 from stplan.optimize.components import connected
 from stplan.optimize.continuation import LiveLine, Optimisation, OuterIteration
 from stplan.optimize.parts import DividedProblem, Part
-from stplan.optimize.workers import Workers, workers
+from stplan.optimize.workers import THIS_PROCESS, Workers, WorkersFor
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.status import Status
@@ -56,14 +56,14 @@ def optimise_blocks(
     progress: Progress,
     stop: Stop,
     live: LiveLine | None = None,
-    num_workers: int = 1,
+    workers: WorkersFor = THIS_PROCESS,
 ) -> Optimisation:
     """Sweeps over blocks of at most `size` agents until the cost has all but stopped falling."""
     parts = DividedProblem(problem, seed, stop)
     seed_costs = parts.costs(parts.formulation.scales.mu)
     price, status = parts.price(), Status.LIMIT
     done: list[OuterIteration] = []
-    with workers(parts, num_workers) as crew:
+    with workers(parts) as crew:
         for sweep in range(MOST_SWEEPS):
             used = _sweep(parts, crew, sweep, size, live)
             before, price = price, parts.price()

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
-from stplan.callbacks import Stop, unheard
+from stplan.callbacks import Stop, never, unheard
 from stplan.compiled import working_time
 from stplan.costs.formulation import TermSetup
 from stplan.costs.registry import build_terms
@@ -85,6 +86,10 @@ class DividedProblem:
         self.surveyor = Surveyor(problem, self.formulation)
         self._watch = Stopwatch()
         self._iterations = self._nonzeros = 0
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What travels to another machine, where nobody can be asked whether to stop."""
+        return vars(self) | {"stop": never}
 
     def optimise(self, part: Part, live: LiveLine | None = None) -> Optimisation | None:
         """Some agents in view of the others; None where they cannot be moved without touching somebody."""

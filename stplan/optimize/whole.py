@@ -9,6 +9,7 @@ from stplan.optimize.blocks import block_size, optimise_blocks
 from stplan.optimize.components import components, optimise_components
 from stplan.optimize.continuation import LiveLine, Optimisation, optimise
 from stplan.optimize.parts import DividedProblem
+from stplan.optimize.workers import THIS_PROCESS, WorkersFor
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 
@@ -20,9 +21,9 @@ def optimise_whole(
     progress: Progress,
     stop: Stop,
     live: LiveLine | None = None,
-    num_workers: int = 1,
+    workers: WorkersFor = THIS_PROCESS,
 ) -> Optimisation:
-    """Make `seed` smooth and cheap, with `num_workers` processes where there are blocks.
+    """Make `seed` smooth and cheap, by `workers` where there are blocks.
 
     Raises:
         SolverError: Ipopt lacks the linear solver or an option asked for.
@@ -30,7 +31,7 @@ def optimise_whole(
     size = block_size(problem)
     if size is not None:
         return optimise_blocks(
-            problem, seed, size, progress=progress, stop=stop, live=live, num_workers=num_workers
+            problem, seed, size, progress=progress, stop=stop, live=live, workers=workers
         )
     formulation = None
     if _separable(problem):

@@ -12,8 +12,9 @@ import multiprocessing
 import signal
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
+from functools import partial
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Protocol
@@ -40,9 +41,17 @@ class Workers(Protocol):
         ...
 
 
+# Whoever optimises the parts of a problem, for as long as they are needed.
+WorkersFor = Callable[[DividedProblem], AbstractContextManager[Workers]]
+
+
+def on_this_machine(count: int) -> WorkersFor:
+    """`count` processes, as far as the system can fork; a single one is this process."""
+    return partial(_workers, count=count)
+
+
 @contextmanager
-def workers(problem: DividedProblem, count: int) -> Iterator[Workers]:
-    """`count` of them, as far as the system can fork; a single one is this process."""
+def _workers(problem: DividedProblem, count: int) -> Iterator[Workers]:
     if count == 1 or "fork" not in multiprocessing.get_all_start_methods():
         yield _Alone(problem)
         return
@@ -51,6 +60,15 @@ def workers(problem: DividedProblem, count: int) -> Iterator[Workers]:
         yield pool
     finally:
         pool.kill()
+
+
+THIS_PROCESS = on_this_machine(1)
+
+
+def largest_first(problem: DividedProblem, parts: Sequence[Part]) -> list[int]:
+    """The numbers of `parts`, those with most knots first, so that none of them is left over at the end."""
+    segments = problem.formulation.layout.num_segments
+    return sorted(range(len(parts)), key=lambda k: (-int(segments[parts[k].agents].sum()), k))
 
 
 class _Alone:
@@ -87,8 +105,7 @@ class _Pool:
         self._knots[:] = self._problem.knots.tobytes()
         while len(self._workers) < min(self._count, len(parts)):
             self._workers.append(self._forked())
-        # The largest first, so that none is left over at the end.
-        waiting = sorted(range(len(parts)), key=lambda k: (-self._size(parts[k]), k))
+        waiting = largest_first(self._problem, parts)
         results: list[PartResult | None] = [None] * len(parts)
         done = 0
         while waiting or any(worker.part is not None for worker in self._workers):
@@ -113,9 +130,6 @@ class _Pool:
             worker.process.join()
             worker.connection.close()
         self._workers.clear()
-
-    def _size(self, part: Part) -> int:
-        return int(self._problem.formulation.layout.num_segments[part.agents].sum())
 
     def _hand_out(self, parts: Sequence[Part], waiting: list[int]) -> None:
         for worker in self._workers:

@@ -27,6 +27,8 @@ from stplan.scene.moving_goals import is_play
 from stplan.status import Status
 
 if TYPE_CHECKING:
+    from distributed import Client
+
     from stplan.optimize.continuation import LiveLine
 
 
@@ -37,6 +39,7 @@ def plan(
     live: LiveLine | None = None,
     stop: Stop | None = None,
     num_workers: int = 1,
+    cluster: Client | None = None,
 ) -> Plan:
     """Plan `scene`, and mend the plan at each of its changes, of which it knew nothing before.
 
@@ -48,10 +51,14 @@ def plan(
 
         return play_out(scene, progress=progress or unheard, stop=stop or never)
     if not scene.changes:
-        return planner.plan(scene, progress=progress, live=live, stop=stop, num_workers=num_workers)
+        return planner.plan(
+            scene, progress=progress, live=live, stop=stop,
+            num_workers=num_workers, cluster=cluster,
+        )  # fmt: skip
     first = planner.plan(
-        replace(scene, changes=()), progress=progress, live=live, stop=stop, num_workers=num_workers
-    )
+        replace(scene, changes=()), progress=progress, live=live, stop=stop,
+        num_workers=num_workers, cluster=cluster,
+    )  # fmt: skip
     return go_on(scene, first, scene.changes, progress=progress, stop=stop)
 
 

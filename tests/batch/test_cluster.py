@@ -76,10 +76,25 @@ def test_without_dask_the_message_says_how_to_get_it(place, run, monkeypatch):
     assert result.err == "--dask needs Dask: pip install 'stplan[dask]'\n"
 
 
+@pytest.mark.parametrize("command", [("batch", "scenes"), ("solve", "scenes/one.yaml")])
 @pytest.mark.parametrize("address", ["nonsense://x", "tcp://127.0.0.1:1"])
-def test_no_scheduler_at_the_address(place, run, monkeypatch, address):
+def test_no_scheduler_at_the_address(place, run, monkeypatch, command, address):
     monkeypatch.chdir(place)
-    monkeypatch.setattr("stplan.batch.cluster.PATIENCE", "1s")
-    result = run("batch", "scenes", "-o", "results", "--dask", address)
+    monkeypatch.setattr("stplan.clusters.PATIENCE", "1s")
+    result = run(*command, "-o", "results", "--dask", address)
     assert result.status == 2
     assert f"--dask {address}: no Dask scheduler answers there\n" in result.err
+
+
+def test_one_scene_on_a_cluster_of_its_own(place, run, monkeypatch):
+    monkeypatch.chdir(place)
+    (place / "many.yaml").write_text(
+        "stplan: 1\nhorizon: 9.0\nsolver: {blocks: 2, effort: quick}\nagents:\n"
+        + "".join(
+            f"  - {{id: a{k}, start: [0.0, {k}], goal: [5.0, {k}], radius: 0.3}}\n"
+            for k in range(4)
+        )
+    )
+    for folder, options in (("here", []), ("there", ["--dask", "local", "--workers", 1])):
+        assert run("solve", "many.yaml", "-o", folder, *options).status == 0
+    assert lasting(place / "there") == lasting(place / "here")

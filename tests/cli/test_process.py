@@ -37,7 +37,7 @@ agents: [{id: sam, start: [0.0, 0.0], goal: [5.0, 5.0]}]
 WAITING = """
 import sys, time
 from stplan import planner
-def plan(scene, *, progress, live, stop, num_workers=1):
+def plan(scene, *, progress, live, stop, **others):
     progress("planning")
     {action}
 planner.plan = plan

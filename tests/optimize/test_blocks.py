@@ -17,6 +17,7 @@ from stplan.optimize.continuation import Optimisation
 from stplan.optimize.parts import DividedProblem, PartResult
 from stplan.optimize.surveyor import Surveyor
 from stplan.optimize.whole import optimise_whole
+from stplan.optimize.workers import on_this_machine
 from stplan.planner import find_initial_curves, plan, prepare
 from stplan.problem.kinetic_cost import total_kinetic_cost
 from stplan.problem.planning_problem import PlanningProblem
@@ -160,7 +161,7 @@ def test_the_same_bytes_whoever_optimises() -> None:
     found = [
         optimise_whole(
             problem, initial.seed.world_lines,
-            progress=lambda line: None, stop=lambda: False, num_workers=number,
+            progress=lambda line: None, stop=lambda: False, workers=on_this_machine(number),
         )
         for number in (1, 3)
     ]  # fmt: skip

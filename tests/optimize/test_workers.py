@@ -13,7 +13,7 @@ import pytest
 from stplan.bench import families_open as wide
 from stplan.errors import SolverError
 from stplan.optimize.parts import DividedProblem, Part
-from stplan.optimize.workers import workers
+from stplan.optimize.workers import on_this_machine
 from stplan.planner import find_initial_curves, prepare
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
@@ -32,7 +32,7 @@ def seeded() -> tuple[PlanningProblem, WorldLines]:
 
 def curves(divided: DividedProblem, number: int) -> list[np.ndarray]:
     told: list[int] = []
-    with workers(divided, number) as crew:
+    with on_this_machine(number)(divided) as crew:
         results = crew.optimise(PARTS, told.append)
     assert told == [1, 2, 3, 4]
     assert not multiprocessing.active_children()
@@ -75,5 +75,5 @@ def test_what_a_process_raises_is_raised_here(
 
 def test_a_stop_reaches_all_processes(seeded: tuple[PlanningProblem, WorldLines]) -> None:
     divided = DividedProblem(*seeded, lambda: True)
-    with workers(divided, 2) as crew:
+    with on_this_machine(2)(divided) as crew:
         assert crew.optimise(PARTS, lambda done: None) == [None] * len(PARTS)
