@@ -140,7 +140,7 @@ Identifier = Annotated[
     str, Field(min_length=1, max_length=LONGEST_IDENTIFIER), AfterValidator(_identifier)
 ]
 # The same in the words of JSON Schema.
-_SIDE_SCHEMA = {
+_NAMES_SCHEMA = {
     "anyOf": [
         {"type": "string", "minLength": 1, "maxLength": LONGEST_IDENTIFIER},
         {"type": "array", "minItems": 1, "items": {"type": "string", "minLength": 1}},
@@ -148,16 +148,16 @@ _SIDE_SCHEMA = {
 }
 
 
-def _side(value: Any) -> Any:
+def _names(value: Any) -> Any:
     if isinstance(value, str):
         return value
     if isinstance(value, list) and value and all(isinstance(entry, str) for entry in value):
         return value
-    raise expected("an agent's id, all, or a list of ids")
+    raise expected("an agent's id, all, a list of ids, or {start: PLACE} or {goal: PLACE}")
 
 
-# One side of a pair: an id, `all`, or a list of ids. That they exist is checked later.
-Side = Annotated[Any, AfterValidator(_side), WithJsonSchema(_SIDE_SCHEMA)]
+# Agents of one side of a pair: an id, `all`, or a list of ids.
+Names = Annotated[Any, AfterValidator(_names), WithJsonSchema(_NAMES_SCHEMA)]
 
 # Options with which Ipopt writes or loads files anywhere, and options that other keys decide.
 REFUSED_OPTIONS = {

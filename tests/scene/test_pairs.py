@@ -90,3 +90,67 @@ def test_later_pairs_win():
     assert pairs.collides[0, 1]
     assert pairs.collides[2, 0]
     assert not pairs.collides[1, 2]
+
+
+HALL = """\
+stplan: 1
+horizon: 40
+map: {rectangle: [0, 0, 12, 8]}
+places:
+  hall: {rectangle: [0, 0, 4, 8]}
+  west: {line: [[1, 1], [1, 7]]}
+  east: {line: [[11, 1], [11, 7]]}
+  spare: {circle: {center: [8, 4], radius: 1}}
+agents:
+  - {id: p, count: 2, start: {place: hall}, goal: {any: [west, east]}, after_arrival: vanish}
+  - {id: q, source: {place: hall}, goal: {place: west}, rate: 1, during: [5, 7], after_arrival: vanish}
+  - {id: r, start: [9, 1], goal: {place: east}, after_arrival: vanish}
+  - {id: s, start: [9, 3], goal: {rectangle: [10, 6, 11, 7]}, after_arrival: vanish}
+"""
+
+
+def _mean(side: str) -> list[str]:
+    """Whom a side means, by the ids of those it is drawn to."""
+    scene = parse_scene(f"{HALL}pairs: [{{between: [{side}, all], grouping: 1}}]")
+    return [scene.agents[a].id for a in scene.pairs[0].left]
+
+
+@pytest.mark.parametrize(
+    ("side", "meant"),
+    [
+        ("{start: hall}", ["p-1", "p-2", "q-1", "q-2"]),
+        ("{goal: west}", ["p-1", "p-2", "q-1", "q-2"]),
+        ("{goal: east}", ["p-1", "p-2", "r"]),
+        ("{start: hall, goal: east}", ["p-1", "p-2"]),
+    ],
+)
+def test_places_mean_who_starts_or_ends_there(side, meant):
+    assert _mean(side) == meant
+
+
+@pytest.mark.parametrize(
+    ("side", "path", "text"),
+    [
+        ("{start: hull}", ".start", "is 'hull', which is none of the scene's places"),
+        ("{goal: hall}", ".goal", "is 'hall', where no agent ends"),
+        ("{start: spare}", ".start", "is 'spare', where no agent starts"),
+        ("{start: hall, goal: spare}", ".goal", "is 'spare', where no agent ends"),
+        ("{}", "", "has neither start nor goal"),
+        ("{place: hall}", ".place", "unknown key"),
+        ("{start: 3}", ".start", ""),
+        ("[{start: hall}]", "", "a list of ids"),
+    ],
+)
+def test_places_of_nobody_are_refused(side, path, text):
+    message = refusal(f"{HALL}pairs:\n  - {{between: [r, {side}], distance: 0.9}}\n")
+    assert message.startswith("scene.yaml:15:")
+    assert f"pairs[0].between[1]{path}: " in message
+    assert text in message
+
+
+def test_places_of_two_crowds_may_mean_nobody_in_common():
+    text = HALL.replace("goal: {place: east}", "goal: {place: spare}")
+    text = text.replace("any: [west, east]", "any: [west]")
+    assert "is no agent" in refusal(
+        f"{text}pairs: [{{between: [{{start: hall, goal: spare}}, all], distance: 1}}]"
+    )

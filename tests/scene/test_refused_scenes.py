@@ -40,12 +40,13 @@ from tests.scene.samples import (
         ),
         (
             "{between: [sam, 3], distance: 1}",
-            "4:19: pairs[0].between[1]: is 3; an agent's id, all, or a list of ids is expected",
+            "4:19: pairs[0].between[1]: is 3; an agent's id, all, a list of ids, "
+            "or {start: PLACE} or {goal: PLACE} is expected",
         ),
         (
             "{between: [sam, []], distance: 1}",
-            "4:19: pairs[0].between[1]: is a list of 0; an agent's id, all, or a list of ids is "
-            "expected",
+            "4:19: pairs[0].between[1]: is a list of 0; an agent's id, all, a list of ids, "
+            "or {start: PLACE} or {goal: PLACE} is expected",
         ),
         (
             "{between: [sam, ann]}",

@@ -28,8 +28,8 @@ MOST_AGENTS = 10_000
 MOST_KNOTS = 100_000
 # Names of the kinds of an entry, as they stand in the places of pydantic's errors.
 KINDS = (
-    "@point", "@waypoint", "@place", "@moving", "@agent", "@circle", "@line", "@grid", "@crowd", "@stream",
-    "@file",
+    "@point", "@names", "@waypoint", "@place", "@moving", "@agent", "@circle", "@line", "@grid", "@crowd",
+    "@stream", "@file",
 )  # fmt: skip
 
 

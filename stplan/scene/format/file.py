@@ -13,7 +13,7 @@ from pydantic import Field
 from stplan.maps.registry import MapFile
 from stplan.scene.format.agents import MOST_AGENTS, AgentEntry, SharedFields
 from stplan.scene.format.events import MOST_EVENTS, EventFile
-from stplan.scene.format.places import MOST_PLACES, PlaceFile
+from stplan.scene.format.places import MOST_PLACES, PlaceFile, Side
 from stplan.scene.model import Objective, SeedingMethod, SeedingSettings, SolverSettings
 from stplan.scene.moving_goals import REPLAN_EVERY
 from stplan.schema.mapping import GIVEN as _GIVEN
@@ -28,7 +28,6 @@ from stplan.schema.quantities import (
     Options,
     Or,
     Positive,
-    Side,
     Version,
     Weight,
 )
@@ -74,7 +73,7 @@ class PairFile(PairSettingsFile):
     """What differs for pairs of agents; of several entries about a pair the later wins."""
 
     between: Annotated[list[Side], Field(min_length=2, max_length=2)] = Field(
-        description="both sides: an id, `all`, or a list of ids each"
+        description="both sides: an id, `all`, a list of ids, or who starts or ends in a place, each"
     )
 
 

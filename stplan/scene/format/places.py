@@ -8,7 +8,7 @@ from pydantic import Discriminator, Field, Tag
 
 from stplan.maps.obstacles import CircleFile
 from stplan.schema.mapping import GIVEN, FileModel, key
-from stplan.schema.quantities import Identifier, Point, Polyline, Rectangle, Ring
+from stplan.schema.quantities import Identifier, Names, Point, Polyline, Rectangle, Ring
 
 MOST_PLACES = 10_000
 MOST_POINTS = 10_000
@@ -55,6 +55,13 @@ class CrowdGoalFile(GoalPlaceFile):
     ] = key("[[x, y], ...] in m, at least one an agent: who goes where is planned")
 
 
+class PlacedAgentsFile(FileModel):
+    """Those who start in a place, or have it among their goals; with both keys, who does both."""
+
+    start: Annotated[Identifier | None, GIVEN] = key("name of one of `places`: who starts there")
+    goal: Annotated[Identifier | None, GIVEN] = key("name of one of `places`: who may end there")
+
+
 def _kind(value: Any) -> str:
     return "@place" if isinstance(value, dict | PlaceFile) else "@point"
 
@@ -70,4 +77,15 @@ Goal = Annotated[
 CrowdGoal = Annotated[
     Annotated[Point, Tag("@point")] | Annotated[CrowdGoalFile, Tag("@place")],
     Discriminator(_kind),
+]
+
+
+def _side_kind(value: Any) -> str:
+    return "@place" if isinstance(value, dict | PlacedAgentsFile) else "@names"
+
+
+# One side of a pair. That the agents and places exist is checked later.
+Side = Annotated[
+    Annotated[Names, Tag("@names")] | Annotated[PlacedAgentsFile, Tag("@place")],
+    Discriminator(_side_kind),
 ]

@@ -40,6 +40,7 @@ from stplan.scene.reading.pair_rules import Placed, group_rules, meeting_faults,
 from stplan.scene.reading.passing import passed_places, with_passed_points
 from stplan.scene.reading.patterns import Listed, listed_agents, num_agents
 from stplan.scene.reading.places import Places, compile_places
+from stplan.scene.reading.residents import Residents
 from stplan.schema.mapping import Fault
 from stplan.schema.quantities import REFUSED_OPTIONS
 
@@ -134,8 +135,9 @@ def check_parts(parts: Parts, directory: Path, hints: Hints) -> list[Fault]:
     """Every fault of the parts that were read, except those that need the whole scene."""
     faults: list[Fault] = []
     listed = _listed(parts, directory, faults)
-    _agents(parts, listed, _places(parts, faults), faults, hints)
-    _rules(parts, listed, faults, hints)
+    places = _places(parts, faults)
+    _agents(parts, listed, places, faults, hints)
+    _rules(parts, listed, places, faults, hints)
     if parts.map is not None:
         compile_map(parts.map, directory, faults)
     return faults
@@ -156,7 +158,7 @@ def compile_scene(
     listed = _listed(parts, directory, faults)
     places = _places(parts, faults)
     agents = _agents(parts, listed, places, faults, hints)
-    rules = _rules(parts, listed, faults, hints)
+    rules = _rules(parts, listed, places, faults, hints)
     map_spec = None if file.map is None else compile_map(file.map, directory, faults)
     for name in file.solver.ipopt:
         if name in REFUSED_OPTIONS:
@@ -318,7 +320,9 @@ def _agents(
     return agents
 
 
-def _rules(parts: Parts, listed: list[Listed], faults: list[Fault], hints: Hints) -> list[Placed]:
+def _rules(
+    parts: Parts, listed: list[Listed], places: Places, faults: list[Fault], hints: Hints
+) -> list[Placed]:
     """What groups and pairs say, in this order."""
     names = _names(parts, listed, faults)
     known = all(
@@ -326,4 +330,5 @@ def _rules(parts: Parts, listed: list[Listed], faults: list[Fault], hints: Hints
         for name, entry in zip(parts.ids, parts.entries, strict=True)
     )
     rules = group_rules(parts.groups, names, known, faults, hints)
-    return rules + pair_rules(parts.pairs, names, len(listed), known, faults, hints)
+    residents = Residents(listed, places)
+    return rules + pair_rules(parts.pairs, names, len(listed), known, faults, hints, residents)

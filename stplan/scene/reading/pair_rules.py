@@ -9,10 +9,12 @@ import numpy as np
 
 from stplan.amounts import distinct
 from stplan.scene.format.file import GroupFile, MeetFile, PairFile, PairSettingsFile
+from stplan.scene.format.places import PlacedAgentsFile
 from stplan.scene.interactions import PairSettings
 from stplan.scene.model import Meet, PairRule, Scene
 from stplan.scene.presence import present_until
 from stplan.scene.reading.faults import Hints
+from stplan.scene.reading.residents import Residents
 from stplan.schema.mapping import Fault
 
 _KEYS = "one of distance, grouping, collision, clearance, collide, meet"
@@ -71,8 +73,9 @@ def pair_rules(
     all_known: bool,
     faults: list[Fault],
     hints: Hints,
+    residents: Residents,
 ) -> list[Placed]:
-    """One rule an entry of `pairs`."""
+    """One rule an entry of `pairs`; `residents` knows who starts and ends where."""
     everyone = tuple(range(num_agents))
     rules = []
     for k, entry in enumerate(pairs):
@@ -81,9 +84,12 @@ def pair_rules(
         path = f"pairs[{k}]"
         sides: list[tuple[int, ...]] = []
         for s, side in enumerate(entry.between):
+            place = f"{path}.between[{s}]"
+            if isinstance(side, PlacedAgentsFile):
+                sides.append(residents.of(side, place, all_known, faults, hints))
+                continue
             words = side if isinstance(side, list) else [side]
             known = [word for word in words if word != "all"]
-            place = f"{path}.between[{s}]"
             members = _members(known, place, names, all_known, faults, hints)
             sides.append(everyone if "all" in words else members)
         left, right = sides
