@@ -12,7 +12,7 @@ from stplan.cli.bench_scale import app
 from stplan.cli.command import command
 from stplan.cli.console import Console
 
-__all__ = ["app", "features", "paper", "quality", "replan", "repulsion"]
+__all__ = ["app", "features", "metric", "paper", "quality", "replan", "repulsion"]
 
 
 @command(benchmarks, without=NO_JSON)
@@ -188,3 +188,30 @@ def replan(
     scenes = [load_scene(scene)] + ([replanning.crowd_scene()] if full else [])
     measured = replanning.measure(scenes, draws, afresh, progress=console.progress)
     return finish(console, output, replanning.files(measured))
+
+
+@command(benchmarks, without=NO_JSON)
+def metric(
+    console: Console,
+    *,
+    output: Output = FOLDER,
+    scenes: Annotated[Path, typer.Option(metavar="DIR", help="Where the scenes are.")] = Path(
+        "scenes"
+    ),
+    only: Annotated[str, typer.Option(metavar="A,B", help="Only scenes with these names.")] = "",
+    full: Full = False,
+) -> int:
+    """What the metric's c does: shipped and generated scenes with several values of `time_scale`.
+
+    Cost, whether a plan is found, iterations and seconds of 1, 2, 3 and auto stand side by side.
+
+    \b
+    Examples:
+      stplan bench metric
+      stplan bench metric --only gap,cabin
+    """
+    from stplan.bench import metric, metric_table
+
+    chosen = metric.chosen(scenes, names_in(only), full=full)
+    trials = metric.measure(chosen, progress=console.progress)
+    return finish(console, output, metric_table.files(trials))
