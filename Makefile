@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 DEMO := scenes/bottleneck/bottleneck.yaml
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test claims check bench coverage mutation gallery docs notebooks package page format clean
+.PHONY: help demo test claims check bench coverage mutation gallery docs notebooks package sessions page format clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -55,6 +55,9 @@ notebooks: $(VENV)/.installed-dev ## run the notebooks and keep what they print 
 
 package: $(VENV)/.installed-dev ## build the wheel, and try it in an empty environment without the sources
 	$(BIN)/python .ci/package.py
+
+sessions: $(VENV)/.installed-dev ## three new users with the wheel and the site alone do what its tutorials say
+	$(BIN)/python .ci/sessions.py
 
 page: ## build the page of `stplan view` from its sources; needs node and npm
 	cd stplan/viewing/page && npm ci --silent && npm run --silent build

@@ -34,7 +34,7 @@ class Section:
     Attributes:
         key: names the section in JSON.
         title: names it for people.
-        lead: what all facts have in common, or that there are none.
+        lead: what all facts have in common, or that there are none; may be empty.
     """
 
     key: str
@@ -44,7 +44,7 @@ class Section:
 
     def lines(self, few: int | None) -> list[str]:
         """The section as text; `few` facts of it, None for all."""
-        lines = [self.title, f"  {self.lead}"]
+        lines = [self.title, *([f"  {self.lead}"] if self.lead else [])]
         said = self.facts[:few]
         lines += [f"  - {fact.sentence}" for fact in said]
         left = len(self.facts) - len(said)

@@ -43,18 +43,28 @@ def test_every_step_does_what_the_page_says(run, monkeypatch, tmp_path):
 
 FOLDER = PAGE.parent / "site" / "tutorials"
 MADE = {
-    "crowds": ["samples.csv", "room.txt", "study/batch.csv", "outputs/room/view.html"],
-    "animation": ["takes.webp", "corridor.glb", "corridor.csv", "splines.json"],
-    "fleets": ["orders.json", "paths.json", "golden/warehouse/trajectories.csv"],
-}
+    "crowds": ["samples.csv", "hall.txt", "study/batch.csv", "wide/hall/measure/density.png", "both.html"],
+    "animation": ["takes.webp", "street.mp4", "street.glb", "street.csv", "splines.json", "street.usda"],
+    "fleets": ["order.json", "delay.html", "orders.json", "paths.txt", "golden/depot/trajectories.csv"],
+}  # fmt: skip
+# What is said before a block, its language, its text.
+_BLOCK = re.compile(r"([^\n]*)\n\n```(\w+)\n(.*?)```", re.DOTALL)
 
 
 @pytest.mark.parametrize("name", MADE)
 def test_every_user_ends_with_what_the_page_promises(run, monkeypatch, tmp_path, name):
     monkeypatch.chdir(tmp_path)
     page = (FOLDER / f"{name}.md").read_text(encoding="utf-8")
-    for block in re.findall(r"```bash\n(.*?)```", page, re.DOTALL):
-        for command in block.splitlines():
-            result = run(*shlex.split(command)[1:])
-            assert result.status == 0, (command, result.err)
+    for before, language, block in _BLOCK.findall(page):
+        if saved := re.search(r"as `(\S+)`:$", before):
+            Path(saved[1]).write_text(block, encoding="utf-8")
+        elif language == "python":
+            exec(compile(block, name, "exec"), {"__name__": "__example__"})
+        else:
+            for command in block.splitlines():
+                program, *words = shlex.split(command, comments=True)
+                announced = re.search(r"# exit status (\d)", command)
+                if program == "stplan":
+                    result = run(*words)
+                    assert result.status == int(announced[1] if announced else 0), command
     assert [file for file in MADE[name] if not Path(file).is_file()] == []

@@ -9,6 +9,7 @@ from stplan.explain.run import explain_run
 from stplan.files.json_file import json_bytes
 from stplan.files.recorded import RecordedReport
 from stplan.problem.world_lines import WorldLines
+from stplan.scene import parse_scene
 from tests.analysis.crowds import ANN, EVE, SAM, lines_of, scene_of
 
 
@@ -24,6 +25,17 @@ def test_a_run_whatever_the_order_of_its_agents():
     text = "\n".join(explain_run(scene, lines, report)[0].lines())
     assert text.startswith("small: planning ended as 'limit'; the certificate holds.\n")
     assert "Raise solver.max_iterations to go on." in text
+
+
+def test_what_happened_is_listed_below_its_title():
+    scene = parse_scene(
+        "stplan: 1\nhorizon: 20\nagents: [{id: ann, start: [0, 0], goal: [8, 0]}]\n"
+        "events: [{at: 3, agent: ann, goal: [8, 3], because: the door is closed}]\n"
+    )
+    turned = lines_of(scene, ann=[[0, 0, 0], [3, 0, 3], [8, 3, 9]])
+    said = explain_run(scene, turned)[0].lines()
+    title = said.index("What happened on the way")
+    assert said[title + 1] == "  - At 3 s the door is closed."
 
 
 def test_a_broken_run():
