@@ -132,7 +132,8 @@ def _nearest(
                     gap = segment_distance(
                         ax, ay, bx, by, edges[e, 0], edges[e, 1], edges[e, 2], edges[e, 3]
                     )
-                    if gap < best or (gap == best and (e < edge or (e == edge and s < segment))):
+                    # Segments come in order: only edges can come before the one found.
+                    if gap < best or (gap == best and e < edge):
                         best, edge, segment = gap, e, s
         distance[a] = best
         place[a, 0], place[a, 1] = _closest(knots[segment], knots[segment + 1], edges[edge])

@@ -56,17 +56,19 @@ def test_a_large_scene_is_judged_as_a_small_one(monkeypatch, stays: bool) -> Non
     assert "others" not in small.as_dict()["pairs"]
 
 
-def test_the_tightest_pair_is_found_however_far_apart_all_are(monkeypatch) -> None:
+# Of an odd number one is in the middle.
+@pytest.mark.parametrize("count", [40, 41])
+def test_the_tightest_pair_is_found_however_far_apart_all_are(monkeypatch, count: int) -> None:
     monkeypatch.setattr(pairs_module, "LISTED", 10)
-    lines = spread(40, 700.0)
-    found = certify(scene_of(lines, np.full(40, 0.3)), None, lines)
+    lines = spread(count, 700.0)
+    found = certify(scene_of(lines, np.full(count, 0.3)), None, lines)
     assert found.holds
     assert found.smallest is not None
     assert found.smallest.who == ("w0", "w1")
     assert found.smallest.clearance == pytest.approx(700.001 - 0.6)
     assert found.unlisted is not None
     assert found.unlisted.clearance > 0.0
-    assert len(found.pairs) + found.unlisted.pairs == 40 * 39 // 2
+    assert len(found.pairs) + found.unlisted.pairs == count * (count - 1) // 2
 
 
 def test_those_who_are_never_there_together_have_no_tightest_spot(monkeypatch) -> None:
