@@ -146,7 +146,7 @@ def _who_passes(problem: PlanningProblem, line: FloatArray, agents: Sequence[int
         mine = [a for a in agents if problem.radii[a] == radius]
         if 2.0 * radius >= width or not _clear_between(problem, line, float(radius)):
             continue
-        parts = shapely.get_parts(shapely.difference(_centres(space, float(radius)), strip))
+        parts = shapely.get_parts(shapely.difference(centres(space, float(radius)), strip))
         begin = _part(parts, problem.starts[mine])
         end = _part(parts, problem.goals[mine])
         parted = (begin >= 0) & (end >= 0) & (begin != end)
@@ -171,8 +171,8 @@ def _clear_between(problem: PlanningProblem, line: FloatArray, radius: float) ->
     return bool(clear_segments(heads, tails, (1.0 - TIP) * radius, problem.boundary)[0])
 
 
-def _centres(space: FreeSpace, radius: float) -> shapely.Geometry:
-    """Where centres may be, and a sliver more: arcs are replaced by chords."""
+def centres(space: FreeSpace, radius: float) -> shapely.Geometry:
+    """Where centres of discs of `radius` (m) may be, and a sliver more: arcs are replaced by chords."""
     from stplan.world import eroded
 
     return eroded(space.polygon, radius)

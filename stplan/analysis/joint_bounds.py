@@ -15,6 +15,8 @@ import numpy as np
 
 from stplan.analysis.evasions import MOST, Movers, evading_groups
 from stplan.analysis.gates import Gate, find_gates
+from stplan.analysis.lanes import find_lanes, opposed_in
+from stplan.analysis.opposed import opposed_bound
 from stplan.analysis.queues import Passers, least_asides, queue_bound
 from stplan.arrays import FloatArray, IntArray, Point
 from stplan.problem.planning_problem import PlanningProblem
@@ -37,10 +39,10 @@ class Together:
         agents: (n,) sorted.
         extra: J s.
         place: where, m.
-        width: of the gate, m; None where they cross each other's ways.
+        width: of the gate or lane, m; None where they cross each other's ways.
     """
 
-    kind: Literal["gate", "crossing"]
+    kind: Literal["gate", "lane", "crossing"]
     agents: IntArray
     extra: float
     place: Point
@@ -66,10 +68,54 @@ def joint_bounds(problem: PlanningProblem, legs: Sequence[FloatArray]) -> tuple[
     paced = _even_paced(problem)
     gates = find_gates(problem, paced.tolist(), legs)
     asked = [own for own in (_passers(problem, gate) for gate in gates) if own is not None]
-    found = _best_queues(problem, asked)
-    queued = [own.agents for own in found]
-    rest = np.setdiff1d(paced, np.concatenate(queued)) if queued else paced
-    return (*found, *_crossings(problem, rest, legs))
+    pairs = _opposed(problem, paced, legs)
+    options = [_best_queues(problem, asked)]
+    options[0] += _disjoint(pairs, _members(options[0]))
+    if pairs:
+        lanes = _disjoint(pairs, _members([]))
+        rest = [queue.without(_members(lanes)) for queue in asked]
+        options.append(lanes + _best_queues(problem, [own for own in rest if own.crowded]))
+    found = max(options, key=lambda groups: sum(group.extra for group in groups))
+    return (*found, *_crossings(problem, np.setdiff1d(paced, _members(found)), legs))
+
+
+def _members(groups: Sequence[Together]) -> IntArray:
+    """(n,) agents of all `groups`."""
+    return np.concatenate([np.empty(0, dtype=np.int64), *(group.agents for group in groups)])
+
+
+def _disjoint(groups: Sequence[Together], taken: IntArray) -> list[Together]:
+    """Those of `groups` that add most, without agents in common and without those `taken`."""
+    found: list[Together] = []
+    for group in sorted(groups, key=lambda group: -group.extra):
+        if not np.isin(group.agents, taken).any():
+            found.append(group)
+            taken = np.append(taken, group.agents)
+    return found
+
+
+def _opposed(
+    problem: PlanningProblem, agents: IntArray, legs: Sequence[FloatArray]
+) -> list[Together]:
+    """Pairs of `agents` that go through a lane in opposite directions."""
+    found = []
+    for lane in find_lanes(problem, agents.tolist()):
+        for pair in opposed_in(problem, lane, agents.tolist(), legs):
+            low, high = (_at_gate(problem, gate) for gate in pair.gates)
+            alone = float(low.alone.sum())
+            extra = (1.0 - ROUNDING) * opposed_bound(low, high, pair.room) - alone
+            if np.isfinite(extra) and extra > NEGLIGIBLE * alone:
+                x, y = problem.frame.points(pair.middle[None])[0].tolist()
+                found.append(
+                    Together(
+                        "lane",
+                        np.sort(pair.agents),
+                        extra * problem.frame.cost,
+                        (x, y),
+                        pair.gates[0].width * problem.frame.length,
+                    )
+                )
+    return found
 
 
 def _crossings(
@@ -118,6 +164,11 @@ class _Queue:
         busy = own.aside * (own.end - own.begin) / own.whole
         return float(busy.sum() / (own.end.max() - own.begin.min()))
 
+    @property
+    def crowded(self) -> bool:
+        """Whether there are two or more."""
+        return len(self.gate.agents) > 1
+
     def without(self, agents: IntArray) -> _Queue:
         """The same for all but `agents`."""
         kept = ~np.isin(self.gate.agents, agents)
@@ -148,7 +199,7 @@ def _best_queues(problem: PlanningProblem, queues: list[_Queue]) -> list[Togethe
             Together("gate", gate.agents, extra, (x, y), gate.width * problem.frame.length)
         )
         rest = [queue.without(gate.agents) for queue in queues]
-        queues = [queue for queue in rest if len(queue.gate.agents) > 1]
+        queues = [queue for queue in rest if queue.crowded]
     return found
 
 
@@ -177,19 +228,23 @@ def _passers(problem: PlanningProblem, gate: Gate) -> _Queue | None:
         clear[k] = problem.collides[agent, gate.agents[clear]].all()
     gate = gate.only(clear)
     while len(gate.agents) > 1:
-        who = gate.agents
-        aside = least_asides(gate, problem.radii[who], problem.distance[np.ix_(who, who)])
-        if (aside > 0.0).all():
-            weights = np.array([problem.scene.agents[a].weights.kinetic for a in who.tolist()])
-            passers = Passers(
-                stiffness=0.5 * weights * problem.masses[who],
-                begin=problem.start_times[who],
-                end=problem.max_times[who],
-                aside=aside,
-                before=gate.before,
-                after=gate.after,
-                whole=gate.whole,
-            )
-            return _Queue(gate, passers)
-        gate = gate.only(aside > 0.0)
+        own = _at_gate(problem, gate)
+        if (own.aside > 0.0).all():
+            return _Queue(gate, own)
+        gate = gate.only(own.aside > 0.0)
     return None
+
+
+def _at_gate(problem: PlanningProblem, gate: Gate) -> Passers:
+    """The agents of `gate`."""
+    who = gate.agents
+    weights = np.array([problem.scene.agents[a].weights.kinetic for a in who.tolist()])
+    return Passers(
+        stiffness=0.5 * weights * problem.masses[who],
+        begin=problem.start_times[who],
+        end=problem.max_times[who],
+        aside=least_asides(gate, problem.radii[who], problem.distance[np.ix_(who, who)]),
+        before=gate.before,
+        after=gate.after,
+        whole=gate.whole,
+    )

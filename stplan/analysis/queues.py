@@ -70,6 +70,15 @@ class Passers:
         return self.stiffness * self.whole**2 / (self.end - self.begin)
 
 
+def hurried(passers: Passers, length: FloatArray, duration: FloatArray) -> FloatArray:
+    """(n, P) J s, what all pay that cover `length` (n, 1) in `duration` (n, P) at one end of their way."""
+    whole, span = passers.whole[:, None], (passers.end - passers.begin)[:, None]
+    share = np.clip(duration / span, SHORTEST, 1.0 - SHORTEST)
+    near = np.maximum(length, whole * share)
+    work = near**2 / share + np.maximum(whole - near, 0.0) ** 2 / (1.0 - share)
+    return passers.stiffness[:, None] * work / span
+
+
 def least_asides(gate: Gate, radii: FloatArray, distance: FloatArray) -> FloatArray:
     """(n,) how far from `gate` each agent is at least when another one passes it, m; 0 where that is unknown.
 
@@ -163,7 +172,7 @@ class _Pieces:
         impossible = (highs[1] <= begin) | (lows[0] >= end)
         before, after = passers.before + passers.aside, passers.aside + passers.after
         for length, duration in ((before, highs[1] - begin), (after, end - lows[0])):
-            lowest = np.maximum(lowest, _hurried(passers, length[:, None], duration))
+            lowest = np.maximum(lowest, hurried(passers, length[:, None], duration))
         least = np.where(impossible, np.inf, lowest)
         value = np.where(impossible, np.inf, value)
         whole = (lows[0] == edges[first]) & (highs[1] == edges[last + 1])
@@ -198,15 +207,6 @@ class _Pieces:
         begun = spent[self.first] + self.at[..., 0] * self.width * prices[self.first]
         ended = spent[self.last] + self.at[..., 1] * self.width * prices[self.last]
         return self.value + 0.5 * (ended - begun)
-
-
-def _hurried(passers: Passers, length: FloatArray, duration: FloatArray) -> FloatArray:
-    """(n, P) what all pay that cover `length` (n, 1) in `duration` (n, P) at one end of their way."""
-    whole, span = passers.whole[:, None], (passers.end - passers.begin)[:, None]
-    share = np.clip(duration / span, SHORTEST, 1.0 - SHORTEST)
-    near = np.maximum(length, whole * share)
-    work = near**2 / share + np.maximum(whole - near, 0.0) ** 2 / (1.0 - share)
-    return passers.stiffness[:, None] * work / span
 
 
 def _least(

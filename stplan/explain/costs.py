@@ -29,8 +29,9 @@ class Payment:
 
 @dataclass(frozen=True)
 class Conflict:
-    """Who is in each other's way, at a gate or crossing, and pays how much more at least; J s and m."""
+    """Who is in each other's way, where, and pays how much more at least; J s and m."""
 
+    kind: str
     agents: tuple[str, ...]
     extra: float
     place: Point
@@ -53,10 +54,11 @@ def cost_section(bound: CostBound) -> Section:
 
 
 def conflicts(bound: CostBound) -> list[Conflict]:
-    """Who cannot but wait for each other at gates or evade each other, those whom it costs most first."""
+    """Who cannot but wait for each other or evade each other, those whom it costs most first."""
     groups = sorted(bound.together, key=lambda group: -group.extra)
     return [
         Conflict(
+            group.kind,
             tuple(bound.agents[a] for a in group.agents.tolist()),
             group.extra,
             group.place,
@@ -80,11 +82,11 @@ def payments(bound: CostBound) -> list[Payment]:
 
 def _conflict_fact(conflict: Conflict) -> Fact:
     where = at(conflict.place)
-    what = (
-        f"cross each other's ways around {where}"
-        if conflict.width is None
-        else f"pass {conflict.width:.4g} m at {where} one after another"
-    )
+    what = {
+        "gate": f"pass {conflict.width or 0.0:.4g} m at {where} one after another",
+        "lane": f"are opposed in a lane of {conflict.width or 0.0:.4g} m around {where}",
+        "crossing": f"cross each other's ways around {where}",
+    }[conflict.kind]
     return Fact(
         f"{names(conflict.agents)} {what}, for which they pay at least {conflict.extra:.3g} more on any plan",
         conflict,
