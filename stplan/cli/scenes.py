@@ -55,7 +55,7 @@ def validate(console: Console, scenes: ScenePaths, *, overrides: Overrides = Non
         records.append(record)
         try:
             scene = read_scene(path, overrides or [])
-            if scene.map is not None:
+            if scene.map is not None or any(agent.goal_places for agent in scene.agents):
                 from stplan.world import fitted_free_space, warnings_of
 
                 record["warnings"] = warnings_of(scene, fitted_free_space(scene))

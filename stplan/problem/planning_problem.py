@@ -230,7 +230,7 @@ def _fitted(scene: Scene) -> FreeSpace | None:
     planned = scene.solver.knots or LEAST_AUTO_KNOTS
     knots = sum(planned if agent.path is None else len(agent.path) for agent in scene.agents)
     require_memory(scene.name, len(scene.agents), knots)
-    if scene.map is None:
+    if scene.map is None and not any(agent.goal_places for agent in scene.agents):
         return None
     from stplan.world.placement import fitted_free_space
 

@@ -228,6 +228,11 @@ class Scene:
         """Where an agent stands in the file."""
         return self.agent_paths[agent] if self.agent_paths else f"agents[{agent}]"
 
+    def entry_path(self, agent: int) -> str:
+        """Where the entry of `agents` stands that an agent comes from, alone or with others."""
+        path = self.agent_path(agent)
+        return path[: path.find("]") + 1] or path
+
     def located(self, path: str, message: str) -> str:
         """`message` headed by file, line, column and `path` (or its nearest known ancestor)."""
         name = str(self.source or self.name)

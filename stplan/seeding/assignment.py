@@ -139,7 +139,7 @@ def _settle_staying(
             others = [(taken[k], float(halves[owners[k]])) for k in range(len(owners))]
             ends = _nearer(problem, members, points[columns], halves, others)
             return {a: _point(end) for a, end in zip(members, ends, strict=True)}
-    raise _full(problem.scene, members)
+    raise _full(problem.written.scene, members, allowed)
 
 
 def _nearer(
@@ -184,13 +184,24 @@ def _nearer(
     return ends
 
 
-def _full(scene: Scene, members: Sequence[int]) -> SceneError:
-    """There is too little room for all who stay."""
-    first = scene.agents[members[0]]
-    which = " and ".join(dict.fromkeys(str(place) for place in first.goal_places))
-    verb = "has" if len(first.goal_places) == 1 else "have"
-    text = f"{which} {verb} no room for all of {len(members)} agents of {amount(first.radius)} m who stay"
-    return SceneError(scene.located(f"{scene.agent_path(members[0])}.goal", text))
+def _full(scene: Scene, members: Sequence[int], allowed: BoolArray) -> SceneError:
+    """No spots were found for all of `members` (N,) who stay, of spots on which they are `allowed` (N, P)."""
+    groups: dict[tuple[Place, ...], list[int]] = {}
+    for k, a in enumerate(members):
+        groups.setdefault(scene.agents[a].goal_places, []).append(k)
+    own = list(range(len(members)))
+    for some in groups.values():
+        if np.count_nonzero(allowed[some].any(axis=0)) < len(some):
+            own = some
+            break
+    agents = [scene.agents[members[k]] for k in own]
+    places = dict.fromkeys(str(place) for agent in agents for place in agent.goal_places)
+    verb = "has" if len(places) == 1 else "have"
+    text = (
+        f"{' and '.join(places)} {verb} no room for all of {len(own)} agents of "
+        f"{amount(agents[0].radius)} m who stay"
+    )
+    return SceneError(scene.located(f"{scene.entry_path(members[own[0]])}.goal", text))
 
 
 def _settle_leaving(problem: PlanningProblem, members: list[int]) -> dict[int, tuple[float, float]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
@@ -15,6 +16,10 @@ from stplan.scene.model import Agent, Scene
 from stplan.scene.places import Place
 from stplan.world.erosion import eroded
 from stplan.world.free_space import FreeSpace, build_free_space, warnings_of
+from stplan.world.packing import overfull_places
+
+if TYPE_CHECKING:
+    from stplan.world.places import StandingRoom
 
 # Erosions are computed with this share less than the radius, so that "not connected" is never claimed
 # because of the rounding of offset curves.
@@ -51,9 +56,21 @@ def fitted_free_space(scene: Scene) -> FreeSpace | None:
 
 
 def check_scene_in_world(scene: Scene, free_space: FreeSpace | None) -> list[str]:
-    """One located message for every fixed point outside the free space or too near its walls."""
-    if free_space is None:
-        return []
+    """One located message for everything that does not fit.
+
+    Fixed points outside the free space or too near its walls, places that nobody can be in, or not so many.
+    """
+    faults = [] if free_space is None else _misplaced_points(scene, free_space)
+    if any(agent.goal_places for agent in scene.agents):
+        from stplan.world.places import StandingRoom
+
+        room = StandingRoom(free_space)
+        unreachable = _unreachable_places(scene, room)
+        faults += unreachable or overfull_places(scene, room)
+    return faults
+
+
+def _misplaced_points(scene: Scene, free_space: FreeSpace) -> list[str]:
     entries = [
         (a, key, point)
         for a, agent in enumerate(scene.agents)
@@ -80,14 +97,11 @@ def check_scene_in_world(scene: Scene, free_space: FreeSpace | None) -> list[str
                 f"{scene.agent_path(a)}.{key}", f"{fault}; more than the radius is expected"
             )
         )
-    return messages + _unreachable_places(scene, free_space)
+    return messages
 
 
-def _unreachable_places(scene: Scene, free_space: FreeSpace) -> list[str]:
+def _unreachable_places(scene: Scene, room: StandingRoom) -> list[str]:
     """One located message for every goal that is a place in which an agent can be nowhere."""
-    from stplan.world.places import StandingRoom
-
-    room = StandingRoom(free_space)
     empty: dict[tuple[Place, float], bool] = {}
     messages: dict[str, None] = {}
     for a, agent in enumerate(scene.agents):
@@ -99,7 +113,7 @@ def _unreachable_places(scene: Scene, free_space: FreeSpace) -> list[str]:
             which = " and ".join(dict.fromkeys(str(part) for part in agent.goal_places))
             verb = "has" if len(agent.goal_places) == 1 else "have"
             text = f"{which} {verb} no point that a disc of {amount(radius)} m can reach"
-            path = f"{scene.agent_path(a)}.goal"
+            path = f"{scene.entry_path(a)}.goal"
             messages.setdefault(scene.located(path, text))
     return list(messages)
 

@@ -75,9 +75,19 @@ def test_one_who_is_alone_in_its_place_ends_where_it_is_nearest() -> None:
 def test_too_many_to_stay_are_refused() -> None:
     small = "{id: p, count: 9, start: {place: hall}, goal: {rectangle: [9, 2, 10, 3]}, radius: 0.3}"
     with pytest.raises(
-        SceneError, match=r"agents\[0\]\[0\].goal: the place has no room for all of 9"
+        SceneError, match=r"agents\[0\].goal: the place has room for at most 7 who stay 0.6 m apart"
     ):
         goals(small)
+
+
+def test_of_several_crowds_the_one_without_spots_is_named() -> None:
+    wide = "{id: q, count: 3, start: {place: hall}, goal: {place: lawn}, radius: 0.3}"
+    # By their area four could stand there, but a lattice has three spots.
+    small = (
+        "{id: p, count: 4, start: {place: hall}, goal: {rectangle: [9, 2, 10.1, 3.1]}, radius: 0.5}"
+    )
+    with pytest.raises(SceneError, match=r"place has no room for all of 4 agents of 0\.5 m"):
+        goals(wide, small)
 
 
 def test_points_are_assigned_by_length_of_ways() -> None:

@@ -47,3 +47,15 @@ def test_a_place_that_nobody_can_reach_is_refused() -> None:
         prepare(scene)
     text = "agents[0].goal: place exit-a has no point that a disc of 0.3 m can reach"
     assert error.value.messages == [f"scene:5:33: {text}"]
+
+
+def test_a_crowd_that_cannot_reach_its_place_is_refused_once() -> None:
+    scene = parse_scene(
+        "stplan: 1\nhorizon: 20\nmap: {rectangle: [0, 0, 10, 4]}\n"
+        "places: {exit-a: {line: [[9.9, 0], [9.9, 4]]}, hall: {rectangle: [0, 0, 6, 4]}}\n"
+        "agents: [{id: a, count: 3, start: {place: hall}, goal: {place: exit-a}}]\n"
+    )
+    with pytest.raises(SceneError) as error:
+        prepare(scene)
+    text = "agents[0].goal: place exit-a has no point that a disc of 0.3 m can reach"
+    assert error.value.messages == [f"scene:5:50: {text}"]

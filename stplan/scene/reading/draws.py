@@ -78,7 +78,7 @@ class _Draw:
 
     def _fill(self, place: Place, room: float, members: list[int]) -> None:
         region = region_of(place, self._floor, room)
-        path = self._scene.agent_path(members[0]).partition("]")[0] + "]"
+        path = self._scene.entry_path(members[0])
         radius = amount(self._scene.agents[members[0]].radius)
         if region.is_empty:
             text = f"starts in {place}, which has no point that a disc of {radius} m can stand on"
