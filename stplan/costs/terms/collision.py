@@ -39,6 +39,10 @@ LIST_SKIN = 1.5
 # Without an end to barriers far pairs have long stretches of about equal distance, and are soft: their
 # lists and structure reach this part as far.
 ENDLESS_SKIN = 0.1
+# The wider a structure, the less often it is made anew, but what is hardly felt costs as much at every
+# factorisation. From so many knots on it reaches this part of the skin: rooms of 200 (7752 knots) take 0.28 s
+# an iteration instead of 0.39 s.
+MANY_KNOTS, NARROW = 5000, 0.2
 
 
 @register(rank=50)
@@ -98,7 +102,8 @@ class Collision(ContactTerm):
             )
         endless = smooth is not None and not np.isfinite(reach[collides]).all()
         room = ENDLESS_SKIN * skin if endless else skin
-        blocks = near_blocks(curved.find(knots, room), len(knots))
+        part = NARROW if len(knots) >= MANY_KNOTS else 1.0
+        blocks = near_blocks(curved.find(knots, part * room), len(knots))
         coupling = None
         if smooth is not None:
             coupling = DenseCoupling(candidates.find(knots, skin), len(knots), dimension=3)

@@ -10,6 +10,7 @@ from stplan.costs.contacts.contact_term import ContactTerm
 from stplan.costs.contacts.rod_candidates import RodCandidates
 from stplan.costs.contacts.smooth_minimum import SmoothMinimum
 from stplan.costs.contacts.wall_candidates import AllEdges
+from stplan.costs.terms import collision
 from stplan.costs.terms.grouping import Grouping
 from stplan.geometry.contacts import measure
 from tests.derivatives.samples import (
@@ -122,3 +123,17 @@ def test_the_endless_logarithm_at_walls_is_that_over_all_edges() -> None:
     far = sample_knots() * [0.05, 0.05, 1.0] + [0.4, 0.4, 0.0]
     for knots in [*walk(), far]:
         assert same(answers(term, knots)[:2], answers(brute, knots)[:2])
+
+
+def test_of_many_knots_the_structure_is_narrower_and_all_else_the_same(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    wide, knots = sample_collision(1.5, None), sample_knots()
+    monkeypatch.setattr(collision, "MANY_KNOTS", len(knots))
+    narrow = sample_collision(1.5, None)
+    assert len(narrow.gauss_newton_structure()[0]) < len(wide.gauss_newton_structure()[0])
+    assert narrow.value(knots) == wide.value(knots)
+    assert (narrow.gradient(knots) == wide.gradient(knots)).all()
+    # All that is felt now has its room.
+    assert not narrow.is_stale(knots)
+    assert np.isclose(narrow.hessian(knots).sum(), wide.hessian(knots).sum(), rtol=1e-12)
