@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextvars import ContextVar
 
 Progress = Callable[[str], None]
 Stop = Callable[[], bool]
@@ -16,3 +17,11 @@ def unheard(line: str) -> None:
 def never() -> bool:
     """No request to stop."""
     return False
+
+
+def _unheeded() -> None:
+    """Nobody who waits is told why."""
+
+
+# Called before a kernel is compiled, which takes seconds; where there is machine code already it is not.
+COMPILING: ContextVar[Callable[[], None]] = ContextVar("COMPILING", default=_unheeded)

@@ -23,6 +23,8 @@ from numba.core.errors import TypingError
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime.nrt import rtsys
 
+from stplan.callbacks import COMPILING
+
 
 class EntryDispatcher(CPUDispatcher):
     """A compiled function that Python calls, cached on disk."""
@@ -95,7 +97,10 @@ class _KernelCache(caching.FunctionCache):
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The compiled function for a signature, None where it has to be compiled."""
         rtsys.initialize(target_context)
-        return self._load_overload(sig, target_context)
+        found = self._load_overload(sig, target_context)
+        if found is None:
+            COMPILING.get()()
+        return found
 
     def _load_overload(self, sig: Any, target_context: Any) -> Any:
         self._stamp()

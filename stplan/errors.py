@@ -5,11 +5,21 @@ A numerical outcome (stopped early, could not improve) is no error but a status 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from stplan.reasons import Reason
 from stplan.wording import in_words
 
+FORMAT = "docs/scene-format.md"
+# A message of a scene is headed by FILE:LINE:COLUMN, where it has a place, and by the path of a key.
+_PLACED = re.compile(r".*?:\d+:\d+: (?:(\w+)[.\[:])?")
+# Sections of the page on the format, by the key that a path begins with.
+_SECTIONS = {
+    "map": "map", "agents": "agents", "defaults": "agents", "places": "places", "groups": "groups",
+    "pairs": "pairs", "events": "events", "seeding": "seeding", "solver": "solver",
+    "preset": "the-papers-recipe",
+}  # fmt: skip
 # So many violations of initial curves are listed.
 MOST_VIOLATIONS = 5
 BROKEN_SEED = "no initial curves were found that hold their certificate"
@@ -35,6 +45,21 @@ class SceneError(StplanError):
     def __init__(self, messages: str | list[str]) -> None:
         self.messages = [messages] if isinstance(messages, str) else list(messages)
         super().__init__("\n".join(self.messages))
+        self.page = scene_page(self.messages[0] if self.messages else "")
+
+
+def scene_page(message: str) -> str:
+    """Where the scene format is explained that a message is about: its section on the path's first key.
+
+    Empty for messages without a place in a scene, which say all there is.
+    """
+    if message.startswith("--set "):
+        return f"{FORMAT}#overrides"
+    found = _PLACED.match(message)
+    if not found:
+        return ""
+    section = _SECTIONS.get(found[1], "top-level") if found[1] else "what-is-refused"
+    return f"{FORMAT}#{section}"
 
 
 class UsageError(StplanError):

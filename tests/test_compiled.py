@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from numba.core.errors import TypingError
 
 import stplan
+from stplan.callbacks import COMPILING
 from stplan.compiled import inlined, inner, kernel
 from stplan.dispatchers import source_stamp
 from stplan.geometry.sorting import sorted_pairs
@@ -66,6 +68,24 @@ def test_the_stamp_covers_the_sources_of_all_that_is_called() -> None:
 def with_a_call_elsewhere(rows: np.ndarray) -> int:
     """Calls what another module defines, which calls something there and in a third."""
     return len(sorted_pairs(rows, 3))
+
+
+def test_before_a_kernel_is_compiled_it_is_said(tmp_path: Path) -> None:
+    called = []
+    file = tmp_path / "module_to_compile.py"
+    file.write_text(
+        "from stplan.compiled import kernel\n\n@kernel\ndef third(x):\n    return x / 3.0\n"
+    )
+    spec = spec_from_file_location("module_to_compile", file)
+    assert spec is not None
+    module = module_from_spec(spec)
+    token = COMPILING.set(lambda: called.append(1))
+    try:
+        spec.loader.exec_module(module)
+        assert module.third(6.0) == module.third(3.0) + 1.0
+    finally:
+        COMPILING.reset(token)
+    assert called == [1]
 
 
 LINKED = """

@@ -14,6 +14,7 @@ from typing import Annotated, Any, cast
 
 import typer
 
+from stplan.callbacks import COMPILING
 from stplan.cli.console import Console, failure, further_reading
 from stplan.errors import UsageError
 
@@ -74,10 +75,16 @@ def exit_status(work: Work, **switches: bool) -> int:
     console = Console(as_json=switches.get("as_json", False))
     try:
         console = Console(**switches)
-        return work(console)
+        token = COMPILING.set(console.compiling)
+        try:
+            return work(console)
+        finally:
+            COMPILING.reset(token)
     except (Exception, KeyboardInterrupt) as error:
         status, messages = failure(error)
-        console.error(*messages, *further_reading(error))
+        console.error(*messages)
+        for line in further_reading(error):
+            console.hint(line)
         with suppress(UsageError):  # A full disk behind stdout: the messages above say enough.
             console.result_json({"exit_status": status, "messages": messages})
         return status

@@ -48,6 +48,8 @@ class Console:
         self.as_json = as_json
         self._started = time.monotonic()
         self._live: Live | None = None
+        # Whether it has been said, or need not be, that kernels are compiled.
+        self.expects_compiling = False
 
     def result(self, *lines: str) -> None:
         """Text on stdout, unless --quiet or --json."""
@@ -67,6 +69,14 @@ class Console:
         elif not self.quiet:
             seconds = f"[{time.monotonic() - self._started:7.2f} s] " if self.verbose else ""
             write(sys.stderr, f"{seconds}{line}\n")
+
+    def compiling(self) -> None:
+        """Why the first run on a machine takes longer; once, and to people only."""
+        if not self.expects_compiling and sys.stderr is not None and sys.stderr.isatty():
+            self.progress(
+                "compiling kernels, once on this machine (`stplan doctor --compile` does it ahead)"
+            )
+        self.expects_compiling = True
 
     @contextmanager
     def live_line(self, prefix: str = "") -> Iterator[Callable[[Callable[[], str]], None] | None]:
@@ -108,6 +118,11 @@ class Console:
         """What went wrong, on stderr, always."""
         if lines:
             write(sys.stderr, "\n".join(lines) + "\n")
+
+    def hint(self, line: str) -> None:
+        """Where an error is explained, on stderr, unless --quiet."""
+        if not self.quiet:
+            write(sys.stderr, f"{line}\n")
 
 
 def _terminal() -> Terminal | None:
@@ -171,5 +186,7 @@ def note_failure(
 ) -> None:
     """Say what an exception means for one of several things that a command does, and note it."""
     status, messages = failure(error)
-    console.error(*(prefix + message for message in [*messages, *further_reading(error)]))
+    console.error(*(prefix + message for message in messages))
+    for line in further_reading(error):
+        console.hint(prefix + line)
     record |= {"exit_status": status, "status": "error", "messages": messages}

@@ -65,6 +65,7 @@ def _compile(console: Console) -> tuple[str, ...]:
     """Compile the kernels with a bar on a terminal, else with a line every so often."""
     from stplan.installation.trials import compile_kernels
 
+    console.expects_compiling = True
     with console.live_line() as live:
         left = compile_kernels(_bar(live) if live else _steps(console))
     if left:

@@ -12,7 +12,7 @@ import typer
 
 from stplan.cli.command import command, group
 from stplan.cli.console import Console
-from stplan.errors import SeedingError, SolverError
+from stplan.errors import SceneError, SeedingError, SolverError
 
 
 @pytest.fixture
@@ -65,12 +65,35 @@ TOO_MANY = f"too many\nmore on this: {SeedingError.page}\n"
 
 def test_the_pages_that_errors_name_exist():
     root = Path(__file__).parents[2]
-    for error in (SeedingError, SolverError):
-        page, _, anchor = error.page.partition("#")
+    keys = [
+        "name",
+        "map",
+        "agents",
+        "defaults",
+        "places",
+        "groups",
+        "pairs",
+        "events",
+        "seeding",
+        "solver",
+        "preset",
+    ]
+    faults = [SceneError(f"a.yaml:3:4: {key}.more: is wrong") for key in keys]
+    faults += [
+        SceneError("a.yaml:3:4: no YAML"),
+        SceneError("--set agents.sam: KEY=VALUE is expected"),
+    ]
+    pages = [error.page for error in (SeedingError, SolverError, *faults)]
+    assert len(set(pages)) == 2 + len(faults) - 1
+    for page, _, anchor in (page.partition("#") for page in pages):
         headings = re.findall(r"(?m)^#+ (.*)$", (root / page).read_text(encoding="utf-8"))
         assert not anchor or anchor in {
             re.sub(r"[^\w -]", "", heading).lower().replace(" ", "-") for heading in headings
         }
+
+
+def test_what_says_all_there_is_names_no_page():
+    assert SceneError("no.yaml: no such scene file").page == ""
 
 
 def test_an_exception_is_its_exit_status_and_a_message(call):

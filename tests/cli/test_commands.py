@@ -91,6 +91,7 @@ def test_every_scene_is_planned_and_the_worst_status_counts(stage, run):
     assert [fault.split(" ")[:2] for fault in faults] == FAULTS
     assert result.err.splitlines() == [
         *faults,
+        "more on this: docs/scene-format.md#top-level",
         "one: outer iteration 1",
         f"one: {Status.FAILED.advice}",
         "two: outer iteration 1",
@@ -286,9 +287,16 @@ def test_validate(stage, run):
     result = run("validate", "one.yaml", "two.yaml", "bad.yaml", "--json")
     assert result.status == 2
     assert [record["status"] for record in result.json["scenes"]] == ["valid", "error", "error"]
-    assert [line.split(" ")[:2] for line in result.err.splitlines()] == [
+    lines = result.err.splitlines()
+    pages = [line for line in lines if line.startswith("more on this: ")]
+    assert [line.split(" ")[:2] for line in lines if line not in pages] == [
         ["two.yaml:6:15:", "agents[1].start:"], ["two.yaml:6:34:", "agents[1].goal:"], *FAULTS,
     ]  # fmt: skip
+    assert (lines[2], lines[-1]) == tuple(pages)
+    assert pages == [
+        f"more on this: docs/scene-format.md#{section}" for section in ("agents", "top-level")
+    ]
+    assert run("validate", "two.yaml", "--quiet").err.splitlines() == lines[:2]
     result = run("validate", "one.yaml")
     assert (result.status, result.out) == (0, "one.yaml: valid, one with 2 agents\n")
 

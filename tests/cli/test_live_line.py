@@ -7,6 +7,8 @@ import sys
 
 import pytest
 
+from stplan.callbacks import COMPILING
+from stplan.cli.command import exit_status
 from stplan.cli.console import Console
 from stplan.files.csv_file import csv_bytes
 from stplan.planner import plan
@@ -33,6 +35,25 @@ def _terminal(monkeypatch: pytest.MonkeyPatch) -> _Terminal:
     monkeypatch.setattr(sys, "stderr", stream)
     monkeypatch.setenv("TERM", "xterm")
     return stream
+
+
+def test_on_a_terminal_it_is_said_once_that_kernels_are_compiled(monkeypatch):
+    def work(console: Console) -> int:
+        for _ in range(3):
+            COMPILING.get()()
+        return 0
+
+    terminal = _terminal(monkeypatch)
+    assert exit_status(work) == 0
+    assert terminal.getvalue().count("compiling kernels, once on this machine") == 1
+    terminal = _terminal(monkeypatch)
+    assert exit_status(work, quiet=True) == 0
+    # Nobody listens after the command.
+    COMPILING.get()()
+    assert terminal.getvalue() == ""
+    monkeypatch.setattr(sys, "stderr", io.StringIO())
+    assert exit_status(work) == 0
+    assert sys.stderr.getvalue() == ""
 
 
 def test_drawn_over_and_over_below_what_is_done(monkeypatch):
