@@ -67,11 +67,17 @@ def overfull_places(scene: Scene, room: StandingRoom) -> list[str]:
     for a, agent in enumerate(scene.agents):
         if agent.goal_places and agent.after_arrival == "stay":
             staying.setdefault(agent.goal_places, []).append(a)
+    choices_of: dict[Place, dict[tuple[Place, ...], None]] = {}
+    for places in staying:
+        for place in places:
+            choices_of.setdefault(place, {})[places] = None
     settings = PairSettings(scene)
     messages = []
     for places, members in staying.items():
         known = frozenset(places)
-        everyone = [a for other, some in staying.items() if known.issuperset(other) for a in some]
+        beside = dict.fromkeys(other for place in places for other in choices_of[place])
+        within = (other for other in beside if known.issuperset(other))
+        everyone = [a for other in within for a in staying[other]]
         own = everyone[:MOST_STAYING]
         if len(own) < 2:
             continue
