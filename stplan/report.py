@@ -14,6 +14,7 @@ from stplan.analysis.arrival_gap import ArrivalGap
 from stplan.analysis.chases import Chases
 from stplan.analysis.cost_bound import CostBound
 from stplan.analysis.metrics import Metrics, metrics
+from stplan.analysis.robustness import Robustness
 from stplan.certify.certificate import Certificate
 from stplan.clock import Clock
 from stplan.memory import MIB, peak
@@ -119,6 +120,7 @@ class Report:
         notes: what the user has to know about the map.
         arrivals: how fast the plan is; None where its cost was to be least.
         chases: what became of goals that move; None where there are none.
+        robustness: what the trajectories forgive; None where nothing was asked.
     """
 
     scene: Scene
@@ -133,6 +135,7 @@ class Report:
     notes: tuple[str, ...] = ()
     arrivals: ArrivalGap | None = None
     chases: Chases | None = None
+    robustness: Robustness | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """For report.json."""
@@ -167,6 +170,8 @@ class Report:
             content["arrivals"] = self.arrivals.as_dict()
         if self.chases is not None:
             content["chases"] = self.chases.as_dict()
+        if self.robustness is not None:
+            content["robustness"] = self.robustness.as_dict()
         if self.improvement is not None:
             content["improvement"] = self.improvement.as_dict()
         return content

@@ -39,6 +39,11 @@ class Status(StrEnum):
         4,
         "the optimiser could not improve the seed; the trajectories are the best feasible ones",
     )
+    FRAGILE = (
+        "fragile",
+        4,
+        "no plan was found that survives the delay asked for; the report says which one is survived",
+    )
     BROKEN = (
         "broken",
         4,

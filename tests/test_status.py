@@ -17,6 +17,7 @@ def test_a_status_is_its_word_in_reports_and_comparisons() -> None:
 def test_only_what_is_well_or_can_go_on_exits_with_nought() -> None:
     assert {status.value: status.exit_status for status in Status} == {
         "seeded": 0, "converged": 0, "played": 0, "limit": 0, "interrupted": 130, "failed": 4, "broken": 4,
+        "fragile": 4,
     }  # fmt: skip
 
 

@@ -150,6 +150,22 @@ def endurance(order: Precedence, delay: float) -> Endurance:
     return Endurance(delay, tuple(late), tuple(broken))
 
 
+def longest_delay(order: Precedence) -> float:
+    """The longest stop of any one agent that is survived, s; inf where any is.
+
+    Whoever passes before a prescribed motion may be late by what is between them, and nobody is later than
+    the one that stops. So the least of these times is survived, and nothing longer.
+    """
+    if order.touching:
+        return 0.0
+    slacks = [
+        one.slack
+        for one in order.passings
+        if one.second in order.fixed and one.first not in order.fixed
+    ]
+    return min(slacks, default=np.inf)
+
+
 def precedence(scene: Scene, lines: WorldLines) -> Precedence:
     """The order of passing of `lines`, one for every agent of `scene`."""
     curves: Mapping[str, FloatArray] = dict(zip(lines.agent_ids, lines.curves(), strict=True))

@@ -51,7 +51,8 @@ def check(
         float | None,
         typer.Option(
             metavar="SECONDS",
-            help="Also whether any one agent may stop for so long, if all keep the order of passing.",
+            help="Also whether any one agent may stop for so long, if all keep the order of passing.  "
+            "[default: what the scene asks for]",
         ),
     ] = None,
     order: Annotated[
@@ -128,8 +129,9 @@ def _certified(
     console.result(f"{scene.name}: {certificate.summary}", *certificate.violations)
     content = {"scene_changed": changed, **certificate.as_dict()}
     status = 0 if certificate.holds else 1
+    delay = delay or scene.robust.delay or None
     if certificate.holds and (delay is not None or order is not None):
-        from stplan.analysis.precedence import endurance, precedence
+        from stplan.analysis.precedence import endurance, longest_delay, precedence
         from stplan.files.atomic import write_set
         from stplan.files.json_file import json_bytes
         from stplan.problem.continuation import curves_of
@@ -141,18 +143,18 @@ def _certified(
             write_set(order.parent, {order.name: json_bytes(found.as_dict())})
         if delay is not None:
             tried = endurance(found, delay)
-            console.result(*_sentences(tried))
+            console.result(*_sentences(tried, longest_delay(found)))
             content["delay"] = tried.as_dict()
             status = 0 if tried.survives else 1
     console.result_json({"exit_status": status, **content})
     return status
 
 
-def _sentences(tried: Endurance) -> list[str]:
+def _sentences(tried: Endurance, longest: float) -> list[str]:
     """What a delay does, a sentence a line."""
     if not tried.survives:
         return [
-            f"  a stop of {tried.delay:g} s is not survived",
+            f"  a stop of {tried.delay:g} s is not survived, one of {longest:.4g} s is",
             *(f"  {one}" for one in tried.broken),
         ]
     head = f"  any one agent may stop for {tried.delay:g} s if all keep the order of passing"

@@ -252,6 +252,8 @@ def _plan_lines(plan: Plan, files: list[Path], verbose: bool) -> list[str]:
         lines += [_agent_line(agent) for agent in metrics.agents]
         spent = ", ".join(f"{name} {amount:.2f} s" for name, amount in plan.run.seconds.items())
         lines += [f"  {spent}"]
+    if plan.report.robustness is not None:
+        lines += [f"  {one}" for one in plan.report.robustness.sentences]
     if plan.report.improvement is not None:
         lines.append(f"  {plan.report.improvement.sentence}")
     return [*lines, *_files_line(files)]

@@ -7,6 +7,7 @@ from stplan.analysis.arrival_gap import arrival_gap
 from stplan.analysis.cost_bound import cost_bound
 from stplan.analysis.crowd import Crowd
 from stplan.analysis.detours import ways_alone
+from stplan.analysis.robustness import robustness
 from stplan.callbacks import Progress, unheard
 from stplan.certify.certificate import Certificate, certify
 from stplan.certify.history import certify_history
@@ -22,7 +23,7 @@ from stplan.problem.ends import ending_as
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.problem.worlds import space_of, spaces_of, whole_scene
-from stplan.scene.model import Scene
+from stplan.scene.model import Robust, Scene
 from stplan.scene.moving_goals import is_play
 from stplan.wording import count
 from stplan.world import fitted_free_space, warnings_of
@@ -73,6 +74,9 @@ def explain_run(
         sections.append(Section("events", "What happened on the way", "", facts))
     if is_play(happened):
         sections.append(outcome_section(happened, lines))
+    if scene.robust != Robust() and certificate.holds:
+        facts = [*map(Fact, robustness(scene, lines).sentences)]
+        sections.append(Section("robust", "What it forgives", "", facts))
     if certificate.violations:
         lead = f"{count(len(certificate.violations), 'promise')} of the scene not kept:"
         facts = [*map(Fact, certificate.violations)]

@@ -50,12 +50,17 @@ def explain_scene(
     seeding = replace(scene.seeding, time_limit=min(time_limit, scene.seeding.time_limit))
     scene = replace(scene, changes=())  # What happens on the way is not known when planning begins.
     if is_play(scene):
-        sections = [population(prepare_written(scene)), wishes_section(scene)]
+        sections = [
+            population(prepare_written(scene)),
+            *robust_sections(scene),
+            wishes_section(scene),
+        ]
         return Explanation(f"{scene.name}: a valid scene.", tuple(sections)), True
     problem = prepare(scene if time_limit <= 0 else replace(scene, seeding=seeding), progress)
     seen = problem.as_written
     alone = ways_alone(seen)
-    sections = [population(seen), passage_section(seen), encounter_section(seen, alone)]
+    sections = [population(seen), *robust_sections(scene), passage_section(seen)]
+    sections.append(encounter_section(seen, alone))
     if time_limit <= 0:
         return Explanation(f"{scene.name}: a valid scene.", tuple(sections)), True
     try:
@@ -97,6 +102,20 @@ def _refusal(error: SeedingError) -> Section:
     else:
         head, facts = headline(error.reasons), tuple(sentences(error.reasons))
     return Section("seeding", "Initial curves", f"{head.capitalize()}:", [*map(Fact, facts)])
+
+
+def robust_sections(scene: Scene) -> list[Section]:
+    """What a plan has to forgive; no section where nothing is asked."""
+    asked, facts = scene.robust, []
+    if asked.tracking:
+        off = metres(asked.tracking)
+        facts.append(Fact(f"Errors of up to {off}: all radii are larger by that, as shown here."))
+    if asked.delay:
+        fixed = [agent.id for agent in scene.agents if agent.path is not None]
+        stop = f"A stop of {amount(asked.delay)} s of any one agent"
+        wait = f"; {names(fixed)} cannot wait, so spots are free that long before" if fixed else ""
+        facts.append(Fact(f"{stop}, if all keep the order of passing{wait}."))
+    return [Section("robust", "What it has to forgive", "", facts)] if facts else []
 
 
 def population(problem: PlanningProblem) -> Section:

@@ -47,11 +47,15 @@ class ImprovementBudget:
 
 
 def require_energy(scene: Scene) -> None:
-    """Improvement compares costs of plans.
+    """Improvement compares costs of plans, and of nothing else.
 
     Raises:
-        UsageError: these are not what is to be least in `scene`.
+        UsageError: these are not what is to be least in `scene`, or the plan has delays to forgive.
     """
+    if scene.robust.delay:
+        raise UsageError(
+            f"{scene.name} has robust.delay; what is improved could forgive less, so it stays"
+        )
     if scene.minimise != "energy":
         raise UsageError(
             f"{scene.name} minimises {scene.minimise}; only plans that minimise energy are improved"

@@ -22,6 +22,7 @@ from stplan.scene.model import (
     Agent,
     Meet,
     PairRule,
+    Robust,
     Scene,
     SolverSettings,
     Visit,
@@ -82,6 +83,9 @@ class WrittenScene:
             pairs=tuple(_local_rule(rule, frame) for rule in scene.pairs),
             solver=_local_solver(scene.solver, frame),
             places=_local_places(scene.places, frame),
+            robust=Robust(
+                share(scene.robust.delay, frame.time), share(scene.robust.tracking, frame.length)
+            ),
             assignments=tuple(
                 replace(one, points=_local_points(one.points, frame)) for one in scene.assignments
             ),

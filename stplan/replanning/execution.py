@@ -21,6 +21,7 @@ from stplan.planned import Plan
 from stplan.problem.continuation import curves_of, joined_history
 from stplan.problem.world_lines import WorldLines
 from stplan.problem.worlds import space_of, spaces_of, whole_scene
+from stplan.replanning.delays import forgiving, judged
 from stplan.report import OptimisationReport
 from stplan.scene.model import Scene, WorldChange
 from stplan.scene.moving_goals import is_play
@@ -50,15 +51,16 @@ def plan(
         from stplan.replanning.playing import play_out
 
         return play_out(scene, progress=progress or unheard, stop=stop or never)
-    if not scene.changes:
+
+    def planned(given: Scene) -> Plan:
         return planner.plan(
-            scene, progress=progress, live=live, stop=stop,
+            given, progress=progress, live=live, stop=stop,
             num_workers=num_workers, cluster=cluster,
         )  # fmt: skip
-    first = planner.plan(
-        replace(scene, changes=()), progress=progress, live=live, stop=stop,
-        num_workers=num_workers, cluster=cluster,
-    )  # fmt: skip
+
+    first = forgiving(replace(scene, changes=()), planned, progress or unheard, stop or never)
+    if not scene.changes:
+        return first
     return go_on(scene, first, scene.changes, progress=progress, stop=stop)
 
 
@@ -109,7 +111,8 @@ def go_on(
         before.report, scene=whole, status=status, certificate=certificate, metrics=figures,
         optimisation=made, bound=None, arrivals=None, improvement=None, rivals=(),
     )  # fmt: skip
-    return Plan(_lines(seeds), lines, report, before.run.and_then(clock))
+    whole_plan = Plan(_lines(seeds), lines, report, before.run.and_then(clock))
+    return judged(whole_plan)
 
 
 def check(scene: Scene, lines: WorldLines, *, progress: Progress | None = None) -> Certificate:

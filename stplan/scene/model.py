@@ -149,6 +149,19 @@ class SolverSettings:
 
 
 @dataclass(frozen=True)
+class Robust:
+    """What a plan has to forgive.
+
+    Attributes:
+        delay: any one agent may stop for so long, s, if all keep the order of passing.
+        tracking: everybody may be so far off its trajectory, m. Radii and distances of a `Scene` hold it.
+    """
+
+    delay: float = 0.0
+    tracking: float = 0.0
+
+
+@dataclass(frozen=True)
 class WorldChange:
     """What becomes different while a scene is executed, and nobody knew beforehand.
 
@@ -198,6 +211,7 @@ class Scene:
         horizon_rule: whether `horizon` is stated, yet to be chosen (and ample until then), or was chosen.
         changes: what becomes different on the way, in the order of time.
         replan_every: how often goals that move are decided anew, s; None where there are none.
+        robust: what the plan has to forgive.
     """
 
     name: str
@@ -223,6 +237,7 @@ class Scene:
     horizon_rule: Literal["stated", "auto", "chosen"] = added("stated")
     changes: tuple[WorldChange, ...] = added(())
     replan_every: float | None = added(None)
+    robust: Robust = added(Robust())  # noqa: RUF009
 
     def agent_path(self, agent: int) -> str:
         """Where an agent stands in the file."""

@@ -8,9 +8,12 @@ from functools import cache
 import numpy as np
 
 from stplan import load_scene
+from stplan.analysis.precedence import longest_delay, precedence
+from stplan.multistart import own_cost
 from stplan.planner import Plan
 from stplan.problem.kinetic_cost import total_kinetic_cost
 from stplan.replanning.execution import plan
+from stplan.scene.model import Robust
 from tests.claims.plans import SCENES, curves, places
 
 
@@ -54,3 +57,17 @@ def test_a_closed_door_is_left_for_the_other(claim):
     claim("closed-door", "where she headed before, x in m", heading.max(), at_most=4.0)
     claim("closed-door", "knots of the past that changed",
           changed_knots("changes/closed-door", 14.0), at_most=0)  # fmt: skip
+
+
+def test_whoever_crosses_before_a_tram_may_stop(claim):
+    """Whoever crosses before a tram may stop for two seconds, at a small price"""
+    robust = load_scene(SCENES / "changes/tram.yaml")
+    careful, careless = (plan(replace(robust, robust=asked)) for asked in (robust.robust, Robust()))
+    proven = [
+        longest_delay(precedence(one.scene, one.trajectories or one.seed))
+        for one in (careful, careless)
+    ]
+    claim("tram", "longest stop of any one agent that is survived, s", proven[0], at_least=2.0)
+    claim("tram", "the same where nothing is asked, s", proven[1], at_most=1.9)
+    costs = [own_cost(one.scene, one.trajectories or one.seed) for one in (careful, careless)]
+    claim("tram", "energy over that where nothing is asked", costs[0] / costs[1], at_most=1.2)

@@ -38,6 +38,9 @@ def test_the_page_does_what_it_says(run, monkeypatch, tmp_path) -> None:
     assert "white catches hare at 7.381 s" in said["stplan explain outputs/two-wolves"]
     slow = said["stplan solve scenes/chases/slow-wolf.yaml"]
     assert "hare is never caught; grey comes within 1.326 m of it" in slow
+    tram = said["stplan solve scenes/changes/tram.yaml"]
+    assert "any one agent may stop for 2 s if all keep the order of passing" in tram
+    assert "any one agent may stop for 2 s" in said["stplan check outputs/tram"]
     (survived,) = (out for command, out in said.items() if "--delay" in command)
     assert "any one agent may stop for 2 s if all keep the order of passing" in survived
     order = json.loads(Path("order.json").read_text(encoding="utf-8"))
@@ -120,3 +123,40 @@ def test_killing_a_replan_leaves_the_run_whole(run, monkeypatch, tmp_path) -> No
     assert run("check", "plans/two").status == 0
     assert run(*words).status == 0
     assert run("check", "plans/two").status == 0
+
+
+IN_THE_WAY = """\
+stplan: 1
+name: tram
+horizon: 16
+defaults: {radius: 0.4}
+seeding: {time_limit: 4}
+agents:
+  - {id: ann, start: [0, 0.5], goal: [0, 4]}
+  - {id: tram, radius: 0.8, path: [[-7, 0, 0], [7, 0, 14]]}
+robust: {delay: 9}
+"""
+
+
+def test_a_plan_that_forgives_less_is_written_and_says_so(run, monkeypatch, tmp_path) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("tram.yaml").write_text(IN_THE_WAY, encoding="utf-8")
+    solved = run("solve", "tram.yaml")
+    assert solved.status == 4
+    assert "no plan was found that survives the delay asked for" in solved.err
+    assert "s of the 9 s asked" in solved.out
+    report = json.loads(Path("outputs/tram/report.json").read_text(encoding="utf-8"))
+    assert report["status"] == "fragile"
+    proven = report["robustness"]["proven_delay"]
+    assert 0.0 < proven < 5.5
+    checked = run("check", "outputs/tram")
+    assert checked.status == 1
+    assert f"a stop of 9 s is not survived, one of {proven:.4g} s is" in checked.out
+    assert run("check", "outputs/tram", "--delay", f"{0.99 * proven}").status == 0
+    told = run("explain", "outputs/tram").out
+    assert f"survives a stop of {proven:.4g} s of the 9 s asked" in told
+    asked = run("explain", "tram.yaml", "--time-limit", "0").out
+    assert "tram cannot wait, so spots are free that long before" in asked
+    improved = run("solve", "tram.yaml", "--improve", "1")
+    assert improved.status == 2
+    assert "robust.delay" in improved.err

@@ -35,6 +35,7 @@ EVERYTHING = (
     DETAILED.replace("arrival: 1.0", "arrival: 1.0, acceleration: 2.0")
     .replace("goal: [9, -5]", "goal: {polygon: [[8, -5.5], [9, -5.5], [9, -4.5]]}")
     .replace("{between: [b, c], grouping: 0.5}", "{between: [b, c], grouping: 0.5, clearance: 0.2}")
+    + "robust: {delay: 1.0, tracking: 0.01}\n"
 )
 
 

@@ -87,6 +87,19 @@ class GroupFile(PairSettingsFile):
     ] = Field(description="ids of agents, patterns and tables")
 
 
+class RobustFile(_Model):
+    """What a plan has to forgive when it is executed."""
+
+    delay: NotNegative = Field(
+        0.0,
+        description="any one agent may stop for so long at any moment, s, if all keep the order of passing",
+    )
+    tracking: NotNegative = Field(
+        0.0,
+        description="everybody may be so far off its trajectory, m; distances are kept all the same",
+    )
+
+
 class SeedingFile(_Model):
     """How initial curves are found."""
 
@@ -222,6 +235,7 @@ class SceneFile(_Model):
     pairs: Annotated[list[PairFile], Field(max_length=MOST_PAIRS)] = Field(
         [], description="what differs from: every pair collides at the sum of its radii"
     )
+    robust: RobustFile = Field(RobustFile(), description="what the plan has to forgive")
     seeding: SeedingFile = Field(SeedingFile(), description="how initial curves are found")
     solver: SolverFile = Field(SolverFile(), description="how curves are optimised")
 

@@ -41,6 +41,7 @@ from stplan.scene.reading.passing import passed_places, with_passed_points
 from stplan.scene.reading.patterns import Listed, listed_agents, num_agents
 from stplan.scene.reading.places import Places, compile_places
 from stplan.scene.reading.residents import Residents
+from stplan.scene.reading.robustness import robust_faults, with_robustness
 from stplan.schema.mapping import Fault
 from stplan.schema.quantities import REFUSED_OPTIONS
 
@@ -191,9 +192,10 @@ def compile_scene(
         places=tuple(places.known.values()),
         assignments=_assignments(parts, listed),
     )
-    scene = with_long_horizon(scene)
+    scene = with_long_horizon(with_robustness(scene, file.robust))
     faults += haste_faults(scene, file.defaults)
     faults += moving_faults(scene, file.defaults, hints)
+    faults += robust_faults(scene)
     # Places of agents that have faults themselves would only make followers of these.
     if not any(path.startswith(PLACED) for path, _ in faults):
         full: list[Fault] = []
