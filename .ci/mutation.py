@@ -14,6 +14,7 @@ import argparse
 import ast
 import os
 import random
+import re
 import shutil
 import subprocess
 import sys
@@ -35,8 +36,9 @@ NAMES = {
     "min": "max", "max": "min", "minimum": "maximum", "maximum": "minimum", "any": "all", "all": "any",
     "argmin": "argmax", "argmax": "argmin",
 }  # fmt: skip
-# Lines whose changes mean the same, and why; `make mutation` ends where one of them is no longer there.
-EQUIVALENT: dict[tuple[str, str], str] = {
+# Lines (or of a line one kind of change, or those in a part of it) whose changes mean the same, and why;
+# `make mutation` ends where one of them is no longer there.
+EQUIVALENT: dict[tuple[str, ...], str] = {
     ("near_pairs.py", "MOST_SLABS = 1000"): "how finely time is cut: speed alone",
     ("near_pairs.py", "MOST_CELLS = 16"): "how finely the plane is cut: speed alone",
     ("near_pairs.py", "SHORTEST = 1e-9"): "where cuts lie: speed alone",
@@ -96,7 +98,57 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "history.py",
         "for k in np.flatnonzero(np.abs(times - stop) <= SAME_TIME * (times[-1] - times[0]))",
     ): "the same",
+    (
+        "near_pairs.py",
+        "step = lines.knots[first + 1] - lines.knots[first]",
+    ): "where time is cut: speed alone",
+    (
+        "near_pairs.py",
+        "for q in range(p + 1, begins[bucket + 1]):",
+        "1 -> 2",
+        "bucket + 1",
+    ): "what lies in other cells is left out anyhow",
+    (
+        "near_pairs.py",
+        "size += max(boxes[i, 2] - boxes[i, 0], boxes[i, 3] - boxes[i, 1]) / len(boxes)",
+    ): "how large cells are: speed alone",
+    (
+        "box_tree.py",
+        "extent = max(float((middles.max(axis=0) - low).max()), 2.0**-500)",
+    ): "which segments share a leaf: speed alone",
+    (
+        "box_tree.py",
+        "for shift, mask in ((8, 0x00FF00FF), (4, 0x0F0F0F0F), (2, 0x33333333), (1, 0x55555555)):",
+    ): "the same",
+    (
+        "wall_clearance.py",
+        "edges = np.ascontiguousarray(frame.local(walls.reshape(-1, 2)).reshape(-1, 4))",
+        "1 -> 2",
+        "-1",
+    ): "numpy takes every negative length for the rest",
+    (
+        "motion.py",
+        "if arrives + visit.dwell <= min(end, leave) + late:",
+        "LtE -> Lt",
+    ): "there is a tolerance on one side",
+    (
+        "meetings.py",
+        "return np.column_stack([np.interp(times, curve[:, 2], curve[:, x]) for x in range(2)])",
+        "2 -> 3",
+        "range(2)",
+    ): "time as a third coordinate is the same for both",
 }
+
+
+def means_the_same(name: str, line: str, what: str, column: int) -> tuple[str, ...] | None:
+    """The key of `EQUIVALENT` that a change at a column of a line falls under."""
+    for key in EQUIVALENT:
+        file, text, kind, part = (*key, *("", "")[len(key) - 2 :])
+        if (file, text) == (name, line) and kind in ("", what):
+            spots = [found.span() for found in re.finditer(re.escape(part), line)]
+            if not part or any(first <= column < last for first, last in spots):
+                return key
+    return None
 
 
 def read(path: Path) -> str:
@@ -183,8 +235,11 @@ def main() -> None:
         lines = [line.partition("  #")[0].strip() for line in text.splitlines()]
         for number, (node, what) in enumerate(mutations(ast.parse(text))):
             place = node.lineno  # type: ignore[attr-defined]
-            if (path.name, lines[place - 1]) in EQUIVALENT:
-                seen.add((path.name, lines[place - 1]))
+            line = lines[place - 1]
+            indent = len(text.splitlines()[place - 1]) - len(text.splitlines()[place - 1].lstrip())
+            key = means_the_same(path.name, line, what, node.col_offset - indent)  # type: ignore[attr-defined]
+            if key is not None:
+                seen.add(key)
             else:
                 cases.append((path.relative_to(ROOT), number, place, what))
     if gone := sorted(EQUIVALENT.keys() - seen):

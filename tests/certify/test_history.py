@@ -106,6 +106,15 @@ def test_strangers_are_refused() -> None:
     assert (found.ignored_pairs, found.ignored_walls, found.pairs) == (0, 0, ())
 
 
+def test_of_spots_equally_tight_the_first_is_named() -> None:
+    # Side by side all the way; the world changes for somebody else in between.
+    scene = changing("at: 4, add: {id: eve, start: [0, -9], goal: [8, -9]}")
+    found = check(scene, ann=AHEAD, sam=ASIDE, eve=[[0, -9, 4], [8, -9, 12]])
+    assert found.holds
+    (spot,) = (one for one in found.pairs if one.who == ("ann", "sam"))
+    assert (spot.clearance, spot.time) == (pytest.approx(5.0), 0.0)
+
+
 def test_who_has_arrived_is_in_the_way_of_what_happens_later() -> None:
     turned = "at: 12, agent: sam, goal: [8, -3]"
     moved = [*ASIDE, [8, 6, 12], [8, -3, 18]]

@@ -133,6 +133,26 @@ def test_visits_follow_one_another() -> None:
     assert "waypoint 2" in check(two.format(1.1), STAY).violations[0]
 
 
+@pytest.mark.parametrize(("over", "kept"), [(5e-9, True), (5e-8, False)])
+def test_times_count_as_kept_up_to_a_billionth_of_the_whole(over: float, kept: bool) -> None:
+    # Of ten seconds: 1e-8 s.
+    assert (
+        check(f"waypoints: [{{at: [4, 0], window: [3, 6], dwell: {3 + over!r}}}]", STAY).holds
+        == kept
+    )
+
+
+@pytest.mark.parametrize(("dwell", "kept"), [(2.9999, True), (3.0001, False)])
+def test_late_in_time_a_stay_is_judged_as_precisely(dwell: float, kept: bool) -> None:
+    late = 1e6
+    scene = parse_scene(
+        f"stplan: 1\nhorizon: {late + 10}\nagents:\n  - {{id: a, start: [0, 0], goal: [8, 0], "
+        f"start_time: {late}, waypoints: [{{at: [4, 0], dwell: {dwell}}}]}}\n"
+    )
+    curve = np.array(STAY, dtype=float) + np.array([0.0, 0.0, late])
+    assert certify(scene, None, WorldLines.from_curves(["a"], [curve])).holds == kept
+
+
 def test_a_short_stop_is_no_long_one() -> None:
     slow = [[0, 0, 0], [4, 0, 3], [4.1, 0, 6], [8, 0, 10]]
     assert not check("waypoints: [{at: [4, 0], dwell: 1}]", slow).holds

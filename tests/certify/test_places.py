@@ -13,10 +13,15 @@ from stplan.scene.places import Place
 HOOK = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (3.0, 3.0), (3.0, 1.0), (0.0, 1.0))
 
 
+# Without an edge along an axis.
+KITE = ((2.5, -0.5), (4.5, 1.0), (1.5, 3.5), (2.0, 1.5))
+
+
 @pytest.mark.parametrize("area", [True, False])
-def test_distances_are_those_of_a_polygon_or_of_its_line(area: bool) -> None:
-    place = Place("exit", HOOK, area)
-    shape = shapely.Polygon(HOOK) if area else shapely.LineString(HOOK)
+@pytest.mark.parametrize("ring", [HOOK, KITE])
+def test_distances_are_those_of_a_polygon_or_of_its_line(ring: tuple, area: bool) -> None:
+    place = Place("exit", ring, area)
+    shape = shapely.Polygon(ring) if area else shapely.LineString(ring)
     rng = np.random.default_rng(4)
     points = np.vstack([rng.uniform(-1.0, 5.0, (200, 2)), [[3.5, 2.0], [0.0, 0.5], [2.0, 1.0]]])
     for point in points:

@@ -73,6 +73,16 @@ def test_any_pursuer_may_catch_but_only_while_it_is_there() -> None:
     assert found.violations == ("hare: leaves at 3 s, caught by nobody",)
 
 
+def test_who_catches_may_be_caught_at_the_same_moment() -> None:
+    chased = "id: fox, start: [2, 5], goal: {pursue: hare, capture: 1.0}"
+    wolf = "id: wolf, start: [1, 5], goal: {pursue: fox, capture: 1.0}"
+    near = wolf.replace("[1, 5]", "[0.5, 5]")
+    # Behind the fox by 1.5 m, then by 1 m when the fox is a metre behind the hare.
+    after = [[0.5, 5, 0], [7, 5, 3], [7, 5, 6]]
+    found = check(chased, near, HARE, fox=CHASE[:2], wolf=after, hare=CAUGHT)
+    assert found.holds
+
+
 def test_who_is_nobodys_prey_stays_until_the_end() -> None:
     owl = "id: owl, start: [2, 9], goal: [4, 9]"
     found = check(FOX, HARE, owl, fox=CHASE, hare=CAUGHT, owl=[[2, 9, 0], [4, 9, 4]])
