@@ -135,10 +135,10 @@ def test_visits_follow_one_another() -> None:
 
 @pytest.mark.parametrize(("over", "kept"), [(5e-9, True), (5e-8, False)])
 def test_times_count_as_kept_up_to_a_billionth_of_the_whole(over: float, kept: bool) -> None:
-    # Of ten seconds: 1e-8 s.
+    # Of ten seconds: 1e-8 s, after the 3e-7 s in which it is within a millionth of its radius, at 1 m/s.
+    dwell = 2.0 + 3e-7 + over
     assert (
-        check(f"waypoints: [{{at: [4, 0], window: [3, 6], dwell: {3 + over!r}}}]", STAY).holds
-        == kept
+        check(f"waypoints: [{{at: [4, 0], window: [4, 9], dwell: {dwell!r}}}]", STAY).holds == kept
     )
 
 
