@@ -5,17 +5,20 @@ from __future__ import annotations
 import json
 import re
 import shlex
+import subprocess
 import tomllib
 from pathlib import Path
 
 import pytest
 import typer.main
 import yaml
+from setuptools_scm import get_version
 
 from stplan.cli.app import app
 
 ROOT = Path(__file__).parents[2]
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+CONTENT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+PROJECT, SCM = CONTENT["project"], CONTENT["tool"]["setuptools_scm"]
 WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
 FILES = [*WORKFLOWS, *sorted((ROOT / ".github" / "ISSUE_TEMPLATE").glob("*.yml"))]
 
@@ -24,12 +27,34 @@ def _yaml(path: Path):
     return yaml.safe_load(path.read_text(encoding="utf-8"))
 
 
-def test_there_is_one_version():
-    assert _yaml(ROOT / "CITATION.cff")["version"] == PROJECT["version"]
+def test_the_last_release_is_the_same_everywhere():
+    # The version itself is that of a tag.
+    assert "version" in PROJECT["dynamic"]
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    released = re.findall(r"(?m)^## \[(\d[^\]]*)\]", changes)[0]
+    assert SCM["fallback_version"] == released
+    assert _yaml(ROOT / "CITATION.cff")["version"] == released
     zenodo = json.loads((ROOT / ".zenodo.json").read_text(encoding="utf-8"))
-    assert zenodo["version"] == PROJECT["version"]
+    assert zenodo["version"] == released
     recipe = _yaml(ROOT / ".ci" / "conda" / "recipe.yaml")
-    assert recipe["context"]["version"] == PROJECT["version"]
+    assert recipe["context"]["version"] == released
+
+
+def test_a_version_is_found_with_and_without_history(tmp_path):
+    def version(folder: Path) -> str:
+        return get_version(root=folder, **SCM)
+
+    assert version(tmp_path) == SCM["fallback_version"]
+    settings = ["-c", "user.name=a", "-c", "user.email=a@b", "-c", "commit.gpgsign=false"]
+    for words in (
+        ["init", "-q"], ["commit", "-q", "--allow-empty", "-m", "first"], ["tag", "v1.2.3"],
+    ):  # fmt: skip
+        subprocess.run(["git", *settings, *words], cwd=tmp_path, check=True)
+    assert version(tmp_path) == "1.2.3"
+    subprocess.run(
+        ["git", *settings, "commit", "-q", "--allow-empty", "-m", "next"], cwd=tmp_path, check=True
+    )
+    assert version(tmp_path) == "1.2.4.dev1"
 
 
 def test_the_recipe_asks_for_what_the_package_asks_for():
