@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from stplan.analysis.own_costs import own_costs
 from stplan.bench.markdown import number, table
-from stplan.bench.solves import run, warm_up
+from stplan.bench.solves import priced, warm_up
 from stplan.callbacks import Progress
-from stplan.scene.model import Scene
 from stplan.scene.reading.load import load_scene
 from stplan.world import build_free_space
 
@@ -91,21 +88,10 @@ def measure(files: Mapping[str, Path], seconds: float, *, progress: Progress) ->
     found = []
     for name, file in files.items():
         for variant, settings in VARIANTS.items():
-            one = _outcome(name, variant, load_scene(file, list(settings)), seconds)
-            found.append(one)
+            one = priced(load_scene(file, list(settings)), seconds)
+            found.append(Trial(variant, name, one.cost, one.figures.iterations, one.seconds))
             progress(f"{name}: {variant} as in the paper: {one.cost:.6g} in {one.seconds:.1f} s")
     return found
-
-
-def _outcome(name: str, variant: str, scene: Scene, seconds: float) -> Trial:
-    began = time.process_time()
-    ends = began + seconds
-    figures, planned = run(scene, stop=lambda: time.process_time() > ends)
-    taken = time.process_time() - began
-    cost = np.nan
-    if planned is not None and figures.certified:
-        cost = float(own_costs(scene, planned.trajectories or planned.seed).sum())
-    return Trial(variant, name, cost, figures.iterations, taken)
 
 
 def gains(outcomes: Sequence[Trial]) -> list[Gain]:

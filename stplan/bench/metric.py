@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from stplan.analysis.own_costs import own_costs
 from stplan.bench import families_open as wide
 from stplan.bench import families_tight as tight
-from stplan.bench.solves import warm_up
-from stplan.errors import SeedingError, UsageError
-from stplan.planner import plan
+from stplan.bench.solves import priced, warm_up
+from stplan.errors import UsageError
 from stplan.scene.model import Scene
 from stplan.scene.reading.load import load_scene
 
@@ -127,19 +124,8 @@ def measure(
 
 
 def _tried(name: str, scene: Scene, time_scale: float | str) -> Trial:
-    began = time.process_time()
-    cost, iterations = np.nan, 0
-    try:
-        planned = plan(in_metric(scene, time_scale))
-    except SeedingError:
-        pass
-    else:
-        times = planned.run.optimisation
-        iterations = 0 if times is None else times.iterations
-        if planned.certificate.holds:
-            cost = float(own_costs(scene, planned.trajectories or planned.seed).sum())
-    seconds = time.process_time() - began
-    return Trial(name, len(scene.agents), time_scale, cost, iterations, seconds)
+    one = priced(in_metric(scene, time_scale), costs=scene)
+    return Trial(name, len(scene.agents), time_scale, one.cost, one.figures.iterations, one.seconds)
 
 
 def in_metric(scene: Scene, time_scale: float | str) -> Scene:

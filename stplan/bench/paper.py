@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from stplan.analysis.own_costs import own_costs
 from stplan.bench import families_open as wide
 from stplan.bench.families_maze import maze
 from stplan.bench.scaling import Sweep, growth
-from stplan.bench.solves import SolveFigures, run, warm_up, with_solver
+from stplan.bench.solves import PricedSolve, priced, run, warm_up, with_solver
 from stplan.callbacks import Progress
 from stplan.costs.contacts.contact_term import ContactTerm
 from stplan.costs.formulation import TermSetup
@@ -63,27 +61,13 @@ MOST_CONTACTS = 2_500_000
 
 
 @dataclass(frozen=True)
-class Recipe:
-    """A plan of one of the paper's scenes.
-
-    Attributes:
-        cost: of all agents by themselves, as `own_costs`; nan without a plan.
-        seconds: of processor time, seeding included.
-    """
-
-    figures: SolveFigures
-    cost: float
-    seconds: float
-
-
-@dataclass(frozen=True)
 class Compared:
     """One of the paper's scenes by the default and by the paper's recipe."""
 
     scene: str
     shows: str
-    default: Recipe
-    paper: Recipe
+    default: PricedSolve
+    paper: PricedSolve
 
 
 def compare(files: Mapping[str, Path], seconds: float, *, progress: Progress) -> list[Compared]:
@@ -91,8 +75,8 @@ def compare(files: Mapping[str, Path], seconds: float, *, progress: Progress) ->
     warm_up()
     found = []
     for name, file in files.items():
-        default = _planned(load_scene(file), seconds)
-        paper = _planned(load_scene(file, ["preset=paper"]), seconds)
+        default = priced(load_scene(file), seconds)
+        paper = priced(load_scene(file, ["preset=paper"]), seconds)
         found.append(Compared(name, FIGURES[name], default, paper))
         progress(
             f"{name}: {default.cost:.6g} in {default.seconds:.1f} s by default, "
@@ -100,16 +84,6 @@ def compare(files: Mapping[str, Path], seconds: float, *, progress: Progress) ->
             f"{paper.figures.status}"
         )
     return found
-
-
-def _planned(scene: Scene, seconds: float) -> Recipe:
-    began = time.process_time()
-    figures, planned = run(scene, stop=lambda: time.process_time() > began + seconds)
-    taken = time.process_time() - began
-    if planned is None:
-        return Recipe(figures, np.nan, taken)
-    curves = planned.seed if planned.trajectories is None else planned.trajectories
-    return Recipe(figures, float(own_costs(scene, curves).sum()), taken)
 
 
 def _recipe(scene: Scene) -> Scene:

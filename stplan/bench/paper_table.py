@@ -8,10 +8,11 @@ from dataclasses import asdict
 from stplan.bench.csv_table import csv_table
 from stplan.bench.deviations import Snapping, Trial, deviations_text
 from stplan.bench.markdown import number, table
-from stplan.bench.paper import PLOTS, WAYS, Compared, IterationTimes, Recipe, growths
+from stplan.bench.paper import PLOTS, WAYS, Compared, IterationTimes, growths
 from stplan.bench.plots import Series, growth_figure
 from stplan.bench.result_files import result_files
 from stplan.bench.scaling import Sweep
+from stplan.bench.solves import PricedSolve
 
 _HEAD = (
     "scene",
@@ -81,7 +82,7 @@ def _scenes(compared: Sequence[Compared]) -> str:
     return f"{table(_HEAD, rows, (0, 1, 9))}\n{count}{listed}\n"
 
 
-def _cells(recipe: Recipe) -> tuple[str, str, str]:
+def _cells(recipe: PricedSolve) -> tuple[str, str, str]:
     figures = recipe.figures
     return number(recipe.cost, ".5g"), str(figures.iterations), f"{recipe.seconds:.1f}"
 

@@ -6,9 +6,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from stplan.analysis.own_costs import own_costs
 from stplan.bench.ledger import Entry
-from stplan.bench.solves import warm_up
+from stplan.bench.solves import plan_cost, warm_up
 from stplan.callbacks import Progress
 from stplan.improvement.budget import ImprovementBudget
 from stplan.planner import improve, plan
@@ -89,10 +88,7 @@ def _measured(name: str, file: Path, moves: int) -> Quality:
     between = time.process_time()
     improved = improve(planned, ImprovementBudget(moves=moves))
     ended = time.process_time()
-    before, after = (
-        float(own_costs(scene, one.seed if one.trajectories is None else one.trajectories).sum())
-        for one in (planned, improved)
-    )
+    before, after = (plan_cost(scene, one) for one in (planned, improved))
     record = improved.report.improvement
     return Quality(
         scene=name,

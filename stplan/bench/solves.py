@@ -13,6 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from stplan.analysis.own_costs import own_costs
 from stplan.bench import families_open as wide
 from stplan.bench import families_tight as tight
 from stplan.callbacks import Stop
@@ -57,6 +58,39 @@ class SolveFigures:
     def iteration_seconds(self) -> float:
         """Time of one iteration (s)."""
         return self.optimise_seconds / self.iterations if self.iterations else np.nan
+
+
+@dataclass(frozen=True)
+class PricedSolve:
+    """A solve and what its plan costs.
+
+    Attributes:
+        cost: of all agents by themselves, as `own_costs`; nan without a certified plan.
+        seconds: of processor time, seeding included.
+    """
+
+    figures: SolveFigures
+    cost: float
+    seconds: float
+
+
+def priced(scene: Scene, seconds: float = np.inf, costs: Scene | None = None) -> PricedSolve:
+    """Plan `scene` for at most so many `seconds` of processor time, and price its plan.
+
+    Args:
+        costs: the scene whose costs count, where it is another.
+    """
+    began = time.process_time()
+    figures, planned = run(scene, stop=lambda: time.process_time() > began + seconds)
+    taken = time.process_time() - began
+    if planned is None or not figures.certified:
+        return PricedSolve(figures, np.nan, taken)
+    return PricedSolve(figures, plan_cost(costs or scene, planned), taken)
+
+
+def plan_cost(scene: Scene, planned: Plan) -> float:
+    """What the plan's curves, those of its seed where it has no others, cost all agents of `scene`."""
+    return float(own_costs(scene, planned.trajectories or planned.seed).sum())
 
 
 def run(scene: Scene, stop: Stop | None = None) -> tuple[SolveFigures, Plan | None]:

@@ -16,9 +16,11 @@ from stplan.cli.console import Console
 
 Output = Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Results go to DIR.")]
 Full = Annotated[bool, typer.Option("--full", help="All sizes, scenes and draws: for the record.")]
+Scenes = Annotated[Path, typer.Option(metavar="DIR", help="Where the scenes are.")]
+Only = Annotated[str, typer.Option(metavar="A,B", help="Only scenes with these names.")]
 TimeLimit = Annotated[float | None, typer.Option(min=0.1, help="Seconds a run may take.")]
 
-FOLDER = Path("outputs/bench")
+FOLDER, SCENES = Path("outputs/bench"), Path("scenes")
 NO_JSON = ("as_json",)
 
 benchmarks = group(

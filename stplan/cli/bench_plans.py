@@ -7,7 +7,19 @@ from typing import Annotated
 
 import typer
 
-from stplan.cli.bench import FOLDER, NO_JSON, Full, Output, TimeLimit, benchmarks, finish, names_in
+from stplan.cli.bench import (
+    FOLDER,
+    NO_JSON,
+    SCENES,
+    Full,
+    Only,
+    Output,
+    Scenes,
+    TimeLimit,
+    benchmarks,
+    finish,
+    names_in,
+)
 from stplan.cli.bench_scale import app
 from stplan.cli.command import command
 from stplan.cli.console import Console
@@ -20,10 +32,8 @@ def quality(
     console: Console,
     *,
     output: Output = FOLDER,
-    scenes: Annotated[Path, typer.Option(metavar="DIR", help="Where the scenes are.")] = Path(
-        "scenes"
-    ),
-    only: Annotated[str, typer.Option(metavar="A,B", help="Only scenes with these names.")] = "",
+    scenes: Scenes = SCENES,
+    only: Only = "",
     moves: Annotated[
         int | None,
         typer.Option(min=1, help="Moves of improvement.  [default: 20; 200 with --full]"),
@@ -73,10 +83,8 @@ def paper(
     console: Console,
     *,
     output: Output = FOLDER,
-    scenes: Annotated[Path, typer.Option(metavar="DIR", help="Where the scenes are.")] = Path(
-        "scenes"
-    ),
-    only: Annotated[str, typer.Option(metavar="A,B", help="Only scenes with these names.")] = "",
+    scenes: Scenes = SCENES,
+    only: Only = "",
     time_limit: TimeLimit = None,
     full: Full = False,
 ) -> int:
@@ -102,8 +110,9 @@ def paper(
     seconds = time_limit or (paper.FULL_SECONDS if full else paper.SMALL_SECONDS)
     compared = paper.compare(files, seconds, progress=console.progress)
     timings = paper.time_iterations(full=full, progress=console.progress)
-    named = deviations.FULL_SCENES if full else deviations.SMALL_SCENES
-    few = chosen_scenes(scenes, [], small=named, every=named, full=full)
+    few = chosen_scenes(
+        scenes, [], small=deviations.SMALL_SCENES, every=deviations.FULL_SCENES, full=full
+    )
     outcomes = deviations.measure(few, seconds, progress=console.progress)
     every = chosen_scenes(scenes, [], small=(), every=tuple(paper.FIGURES), full=True)
     snapping = deviations.snap_places(every)
@@ -134,9 +143,7 @@ def repulsion(
     console: Console,
     *,
     output: Output = FOLDER,
-    scenes: Annotated[Path, typer.Option(metavar="DIR", help="Where the scenes are.")] = Path(
-        "scenes"
-    ),
+    scenes: Scenes = SCENES,
     full: Full = False,
 ) -> int:
     """Repulsive curves beside our plans: how long, and how far apart, either gets.
@@ -151,8 +158,9 @@ def repulsion(
     from stplan.bench import repulsion
     from stplan.bench.named_scenes import chosen_scenes
 
-    named = repulsion.FULL_SCENES if full else repulsion.SMALL_SCENES
-    files = chosen_scenes(scenes, [], small=named, every=named, full=full)
+    files = chosen_scenes(
+        scenes, [], small=repulsion.SMALL_SCENES, every=repulsion.FULL_SCENES, full=full
+    )
     return finish(
         console, output, repulsion.files(repulsion.measure(files, progress=console.progress))
     )
@@ -195,10 +203,8 @@ def metric(
     console: Console,
     *,
     output: Output = FOLDER,
-    scenes: Annotated[Path, typer.Option(metavar="DIR", help="Where the scenes are.")] = Path(
-        "scenes"
-    ),
-    only: Annotated[str, typer.Option(metavar="A,B", help="Only scenes with these names.")] = "",
+    scenes: Scenes = SCENES,
+    only: Only = "",
     full: Full = False,
 ) -> int:
     """What the metric's c does: shipped and generated scenes with several values of `time_scale`.
