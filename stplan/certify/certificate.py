@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stplan.amounts import amount
+from stplan.certify.easing import EasedPair
 from stplan.certify.ends import agents_that_differ, broken_ends
 from stplan.certify.local_frame import LocalFrame
 from stplan.certify.meetings import MeetingSpot, meeting_spots
@@ -24,6 +26,7 @@ from stplan.certify.walls import check_walls
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
 from stplan.scene.presence import present_until
+from stplan.wording import count
 
 if TYPE_CHECKING:
     from stplan.world import FreeSpace
@@ -45,6 +48,7 @@ class Certificate:
         limits: greatest speed and acceleration of every agent that has a limit.
         meetings: the nearest moment of every pair that has to meet.
         unlisted: what is proven of the pairs that `pairs` leaves out, None where it holds all.
+        eased: pairs that start too near each other, where that is allowed, and are clear later.
         rounding: by how much a clearance can be off, m; what is not greater does not count.
     """
 
@@ -57,6 +61,7 @@ class Certificate:
     meetings: tuple[MeetingSpot, ...] = ()
     unlisted: Unlisted | None = None
     rounding: float = 0.0
+    eased: tuple[EasedPair, ...] = ()
 
     @property
     def holds(self) -> bool:
@@ -79,9 +84,28 @@ class Certificate:
         """One line."""
         verdict = "holds" if self.holds else f"IS BROKEN ({len(self.violations)} violations)"
         spot = "nothing interacts" if self.smallest is None else f"tightest {self.smallest}"
-        return f"certificate {verdict}; {spot}"
+        return f"certificate {verdict}; {spot}{self._eased}"
+
+    @property
+    def _eased(self) -> str:
+        """Until when agents are too near each other, where they start so."""
+        known = [one.clear for one in self.eased if one.clear is not None]
+        if not known:
+            return ""
+        return f"; BEFORE {amount(max(known))} s {count(len(known), 'pair')} too near, being eased apart"
 
     def as_dict(self) -> dict[str, Any]:
+        """For report.json; what is eased apart only where something is."""
+        if not self.eased:
+            return self._as_dict()
+        return self._as_dict() | {
+            "eased": {
+                "columns": ["a", "b", "apart", "needed", "clear_from"],
+                "rows": [[*one.who, one.apart, one.needed, one.clear] for one in self.eased],
+            }
+        }
+
+    def _as_dict(self) -> dict[str, Any]:
         """For report.json: rows in the order of `columns`, clearances in m, times in s."""
 
         def row(spot: Tightest) -> list[Any]:
@@ -159,4 +183,5 @@ def certify(scene: Scene, free_space: FreeSpace | None, lines: WorldLines) -> Ce
     return Certificate(
         (*pairs.violations, *walls.violations, *broken), pairs.spots, walls.spots, pairs.ignored,
         walls.ignored, tuple(peaks), tuple(meetings), pairs.unlisted, frame.rounding,
+        pairs.eased,
     )  # fmt: skip

@@ -66,6 +66,7 @@ def certify_history(
         walls=_tightest(part.walls for part in parts),
         limits=tuple(peaks),
         rounding=max(part.rounding for part in parts),
+        eased=tuple(one for part in parts for one in part.eased),
     )
 
 

@@ -6,12 +6,13 @@ looked at, and of them the tightest are listed: of all others it is proven that 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stplan.amounts import distinct, place
 from stplan.arrays import BoolArray, FloatArray, IntArray
+from stplan.certify.easing import EasedPair, eased_pairs, rest_of
 from stplan.certify.local_frame import LocalFrame
 from stplan.certify.near_pairs import near_pairs
 from stplan.certify.pair_clearance import NearestMoments, nearest_moments, nearest_moments_of
@@ -31,12 +32,17 @@ FIRST_REACH, FURTHER = 0.5, 4.0
 
 @dataclass(frozen=True)
 class PairFindings:
-    """What is said of pairs: rows, what is not listed, how many are not demanded, broken promises."""
+    """What is said of pairs: rows, what is not listed, how many are not demanded, broken promises.
+
+    Attributes:
+        eased: those that start too near each other, where that is allowed.
+    """
 
     spots: tuple[Tightest, ...]
     unlisted: Unlisted | None
     ignored: int
     violations: list[str]
+    eased: tuple[EasedPair, ...] = ()
 
 
 def check_pairs(
@@ -50,8 +56,14 @@ def check_pairs(
     """
     settings = PairSettings(scene)
     wanted = settings.colliding()
+    pairs, eased = eased_pairs(scene, lines, frame)
+    rests = [
+        _from_clear(scene, lines, leaves, (a, b), one, frame)
+        for (a, b), one in zip(pairs.tolist(), eased, strict=True)
+    ]
+    wanted[pairs[:, 0], pairs[:, 1]] = wanted[pairs[:, 1], pairs[:, 0]] = False
     demanded = int(np.count_nonzero(wanted)) // 2
-    ignored = len(wanted) * (len(wanted) - 1) // 2 - demanded
+    ignored = len(wanted) * (len(wanted) - 1) // 2 - demanded - len(pairs)
     if demanded <= LISTED:
         found = nearest_moments(lines, leaves, wanted)
         needs = settings.distances(found.pairs)
@@ -75,7 +87,34 @@ def check_pairs(
     more = int(broken.sum()) - len(sentences)
     if more:
         sentences.append(f"{more} further pairs of agents are too near each other")
-    return PairFindings(spots, unlisted, ignored, sentences)
+    spots += tuple(spot for spot, _ in rests if spot is not None)
+    sentences += [sentence for _, sentence in rests if sentence]
+    return PairFindings(spots, unlisted, ignored, sentences, eased)
+
+
+def _from_clear(
+    scene: Scene,
+    lines: WorldLines,
+    leaves: FloatArray,
+    pair: tuple[int, int],
+    eased: EasedPair,
+    frame: LocalFrame,
+) -> tuple[Tightest | None, str]:
+    """The tightest spot of a pair from the moment it is clear, and what is wrong with it, or ""."""
+    if eased.clear is None:
+        return None, str(eased)
+    ends = leaves[list(pair)]
+    if (ends <= eased.clear).any():
+        return None, ""
+    found = nearest_moments_of(
+        rest_of(lines, pair, eased.clear), ends, np.array([[0, 1]], dtype=np.int64)
+    )
+    needs = np.array([eased.needed])
+    row = replace(found, pairs=np.array([pair]))
+    (spot,) = _spots(scene, row, needs, np.array([0]), frame)
+    if not _too_near(found.distance, needs, frame)[0]:
+        return spot, ""
+    return spot, _sentence(spot, float(found.distance[0]), eased.needed, frame)
 
 
 def _near(

@@ -126,7 +126,8 @@ def _certified(
     certificate = execution.check(scene, lines, progress=console.progress)
     if changed:
         console.progress(f"note: {scene.source} is not as it was when this run was planned")
-    console.result(f"{scene.name}: {certificate.summary}", *certificate.violations)
+    eased = [f"  {one}" for one in certificate.eased]
+    console.result(f"{scene.name}: {certificate.summary}", *certificate.violations, *eased)
     content = {"scene_changed": changed, **certificate.as_dict()}
     status = 0 if certificate.holds else 1
     delay = delay or scene.robust.delay or None

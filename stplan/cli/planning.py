@@ -191,7 +191,7 @@ def _plan_one(
     stop = StopRequest()
     with answered_by(stop.make):
         if seed_only:
-            planned = planner.seed(scene, progress=progress, stop=stop)
+            planned = execution.seed(scene, progress=progress, stop=stop)
         else:
             with console.live_line(prefix) as live:
                 planned = execution.plan(
@@ -234,8 +234,9 @@ def _write(planned: Plan, folder: Path, seed_only: bool) -> list[Path]:
 
 def _plan_lines(plan: Plan, files: list[Path], verbose: bool) -> list[str]:
     """A plan in a few lines."""
-    metrics = plan.report.metrics
+    metrics, eased = plan.report.metrics, plan.certificate.eased
     lines = [f"{plan.scene.name}: {plan.status}", f"  {plan.certificate.summary}"]
+    lines += [f"  {one}" for one in eased]
     if plan.report.chases is not None:
         return [*lines, *(f"  {one}" for one in plan.report.chases.sentences), *_files_line(files)]
     figures = []

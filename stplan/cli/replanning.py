@@ -71,6 +71,7 @@ def replan(
     console.result(
         f"{before.scene.name}: {planned.status}",
         f"  {planned.certificate.summary}",
+        *(f"  {one}" for one in planned.certificate.eased),
         f"  {output / before.scene.name}",
     )
     console.result_json(

@@ -74,6 +74,10 @@ def explain_run(
         sections.append(Section("events", "What happened on the way", "", facts))
     if is_play(happened):
         sections.append(outcome_section(happened, lines))
+    if certificate.eased:
+        lead = "They are eased apart, and certified from the moment they are clear:"
+        facts = [Fact(f"{one}.") for one in certificate.eased]
+        sections.append(Section("eased", "Too near at the start", lead, facts))
     if scene.robust != Robust() and certificate.holds:
         facts = [*map(Fact, robustness(scene, lines).sentences)]
         sections.append(Section("robust", "What it forgives", "", facts))

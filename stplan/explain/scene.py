@@ -16,6 +16,7 @@ from stplan.analysis.encounters import Encounter, encounters
 from stplan.analysis.passages import WIDE, Passage, passages
 from stplan.arrays import FloatArray
 from stplan.callbacks import Progress, Stop, never, unheard
+from stplan.certify.easing import too_near_at_start
 from stplan.certify.places import distance_outside
 from stplan.errors import BROKEN_SEED, BrokenSeedError, SeedingError
 from stplan.explain.arrivals import arrival_section
@@ -55,6 +56,10 @@ def explain_scene(
             *robust_sections(scene),
             wishes_section(scene),
         ]
+        return Explanation(f"{scene.name}: a valid scene.", tuple(sections)), True
+    eased = eased_sections(scene)
+    if eased:
+        sections = [population(prepare_written(scene)), *robust_sections(scene), *eased]
         return Explanation(f"{scene.name}: a valid scene.", tuple(sections)), True
     problem = prepare(scene if time_limit <= 0 else replace(scene, seeding=seeding), progress)
     seen = problem.as_written
@@ -102,6 +107,20 @@ def _refusal(error: SeedingError) -> Section:
     else:
         head, facts = headline(error.reasons), tuple(sentences(error.reasons))
     return Section("seeding", "Initial curves", f"{head.capitalize()}:", [*map(Fact, facts)])
+
+
+def eased_sections(scene: Scene) -> list[Section]:
+    """Who starts too near whom, and is eased apart; no section where nobody does."""
+    if scene.overlap != "ease":
+        return []
+    pairs, needs = too_near_at_start(scene)
+    facts = []
+    for (a, b), need in zip(pairs.tolist(), needs.tolist(), strict=True):
+        one, other = scene.agents[a], scene.agents[b]
+        gap = float(np.hypot(one.start[0] - other.start[0], one.start[1] - other.start[1]))
+        facts.append(Fact(f"{one.id} and {other.id}: {metres(gap)} apart of {metres(need)}."))
+    lead = "They are eased apart before they go, and certified from the moment they are clear:"
+    return [Section("eased", "Too near at the start", lead, facts)] if facts else []
 
 
 def robust_sections(scene: Scene) -> list[Section]:

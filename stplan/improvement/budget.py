@@ -56,6 +56,8 @@ def require_energy(scene: Scene) -> None:
         raise UsageError(
             f"{scene.name} has robust.delay; what is improved could forgive less, so it stays"
         )
+    if scene.overlap == "ease":
+        raise UsageError(f"{scene.name} has overlap: ease; what is eased apart is past improvement")
     if scene.minimise != "energy":
         raise UsageError(
             f"{scene.name} minimises {scene.minimise}; only plans that minimise energy are improved"

@@ -15,23 +15,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from stplan import planner
 from stplan.amounts import amount
-from stplan.analysis.arrival_gap import arrival_gap
-from stplan.analysis.cost_bound import cost_bound
-from stplan.analysis.metrics import metrics
 from stplan.analysis.precedence import Precedence, longest_delay, precedence
 from stplan.analysis.robustness import robustness
 from stplan.arrays import FloatArray
 from stplan.callbacks import Progress, Stop
-from stplan.certify.certificate import certify
-from stplan.errors import BrokenSeedError, SeedingError, StoppedError
+from stplan.errors import SeedingError, StoppedError
 from stplan.planned import Plan
-from stplan.problem.ends import ending_as, fixed_at
-from stplan.problem.world_lines import WorldLines
-from stplan.problem.worlds import space_of
+from stplan.replanning.stand_ins import StandIns, as_planned, first_lines, with_stand_ins
 from stplan.scene.interactions import PairSettings
-from stplan.scene.model import Agent, PairRule, Robust, Scene, Weights
+from stplan.scene.model import Robust, Scene
 from stplan.status import Status
 
 # Plans that are tried at most, beside the one that does not know of the delay.
@@ -98,50 +91,21 @@ def with_copies_ahead(scene: Scene, late: Collection[str], ahead: float) -> Scen
 
     They come after all others, keep as far from those who find their way as it does, and cost nothing.
     """
-    count = len(scene.agents)
-    everyone = np.arange(count)
-    settings = PairSettings(scene)
+    settings, everyone = PairSettings(scene), np.arange(len(scene.agents))
     free = np.array([agent.path is None for agent in scene.agents])
-    copies: list[Agent] = []
-    rules: list[PairRule] = []
+    groups = []
     for a, agent in enumerate(scene.agents):
         if agent.id not in late or agent.path is None:
             continue
         pairs = settings.between(np.array([a]), everyone)
-        kept, weight = pairs.distance[0], pairs.collision_weight[0]
-        minding = np.flatnonzero(pairs.collides[0] & free)
+        least = float(pairs.distance[0][pairs.collides[0] & free].min())
         path = np.array(agent.path)
         reach = ahead * _fastest(path)
-        number = max(int(np.ceil(reach / (SPACING * float(kept[minding].min())))), 1)
-        own = tuple(range(count + len(copies), count + len(copies) + number))
-        copies += [_copy(agent, path, ahead * (k + 0.5) / number, k) for k in range(number)]
-        every = (*everyone.tolist(), *range(count, count + len(copies)))
-        rules.append(PairRule(own, every, collide=False))
-        wider = kept + 0.5 * reach / number
-        for distance, heed in sorted({(wider[b], weight[b]) for b in minding.tolist()}):
-            members = [b for b in minding.tolist() if (wider[b], weight[b]) == (distance, heed)]
-            rules.append(
-                PairRule(own, tuple(members), float(distance), collide=True, collision=float(heed))
-            )
-    return replace(
-        scene,
-        agents=(*scene.agents, *copies),
-        pairs=(*scene.pairs, *rules),
-        agent_paths=(
-            *(scene.agent_path(a) for a in everyone.tolist()), *(one.id for one in copies)
-        ),
-    )  # fmt: skip
-
-
-def _copy(agent: Agent, path: FloatArray, earlier: float, number: int) -> Agent:
-    """A prescribed agent, so many seconds earlier, whom nothing costs anything."""
-    shifted = path - [0.0, 0.0, earlier]
-    start, last = float(shifted[0, 2]), float(shifted[-1, 2])
-    nothing = Weights(kinetic=0.0, regularity=0.0, wall=0.0, clearance=0.0)
-    return replace(
-        agent, id=f"{agent.id}, {number + 1}", path=tuple(map(tuple, shifted.tolist())), start_time=start,
-        max_time=last, preferred_time=None, weights=nothing, clearance=0.0,
-    )  # fmt: skip
+        number = max(int(np.ceil(reach / (SPACING * least))), 1)
+        earlier = ahead * (np.arange(number) + 0.5) / number
+        paths = [path - [0.0, 0.0, shift] for shift in earlier.tolist()]
+        groups.append(StandIns(a, paths, free, 0.5 * reach / number))
+    return with_stand_ins(scene, groups)
 
 
 def _fastest(path: FloatArray) -> float:
@@ -158,37 +122,8 @@ def _among_copies(
     given = with_copies_ahead(replace(scene, seeding=seeding), late, ahead)
     found = plan(given)
     count = len(scene.agents)
-    settled = replace(
-        found.scene, agents=found.scene.agents[:count], pairs=scene.pairs, agent_paths=scene.agent_paths,
-        seeding=scene.seeding,
-    )  # fmt: skip
-    seed = _first(found.seed, count)
-    lines = seed if found.trajectories is None else _first(found.trajectories, count)
-    shown, space = ending_as(settled, lines), space_of(settled)
-    certificate = certify(settled, space, lines)
-    begun = certify(settled, space, seed)
-    if not certificate.holds:
-        raise BrokenSeedError(certificate.violations)
-    tightest = begun.smallest
-    first = replace(
-        found.report.seed,
-        smallest_clearance=None if tightest is None else tightest.clearance,
-        metrics=metrics(ending_as(settled, seed), seed),
-    )
-    problem = planner.prepare(fixed_at(settled, lines))
-    content = replace(
-        found.report, scene=settled, certificate=certificate, metrics=metrics(shown, lines), seed=first
-    )  # fmt: skip
-    if content.bound is not None:
-        content = replace(content, bound=cost_bound(problem, lines))
-    if content.arrivals is not None:
-        content = replace(content, arrivals=arrival_gap(problem, lines))
-    return Plan(seed, lines, content, found.run)
-
-
-def _first(lines: WorldLines, count: int) -> WorldLines:
-    """Those of the first `count` agents."""
-    return WorldLines.from_curves(lines.agent_ids[:count], list(lines.curves())[:count])
+    lines = None if found.trajectories is None else first_lines(found.trajectories, count)
+    return as_planned(scene, found, first_lines(found.seed, count), lines)
 
 
 def _unwaiting(order: Precedence, delay: float) -> frozenset[str]:

@@ -22,6 +22,7 @@ from stplan.problem.continuation import curves_of, joined_history
 from stplan.problem.world_lines import WorldLines
 from stplan.problem.worlds import space_of, spaces_of, whole_scene
 from stplan.replanning.delays import forgiving, judged
+from stplan.replanning.easing import with_eased_starts
 from stplan.report import OptimisationReport
 from stplan.scene.model import Scene, WorldChange
 from stplan.scene.moving_goals import is_play
@@ -53,15 +54,23 @@ def plan(
         return play_out(scene, progress=progress or unheard, stop=stop or never)
 
     def planned(given: Scene) -> Plan:
-        return planner.plan(
-            given, progress=progress, live=live, stop=stop,
-            num_workers=num_workers, cluster=cluster,
+        return with_eased_starts(
+            given,
+            lambda one: planner.plan(
+                one, progress=progress, live=live, stop=stop,
+                num_workers=num_workers, cluster=cluster,
+            ),
         )  # fmt: skip
 
     first = forgiving(replace(scene, changes=()), planned, progress or unheard, stop or never)
     if not scene.changes:
         return first
     return go_on(scene, first, scene.changes, progress=progress, stop=stop)
+
+
+def seed(scene: Scene, *, progress: Progress | None = None, stop: Stop | None = None) -> Plan:
+    """Only the initial curves of `scene`, certified. Raises like `plan`."""
+    return with_eased_starts(scene, lambda one: planner.seed(one, progress=progress, stop=stop))
 
 
 def go_on(

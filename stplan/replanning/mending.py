@@ -26,6 +26,7 @@ from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.restriction import restricted
 from stplan.problem.verification import Fault, verify
 from stplan.problem.world_lines import WorldLines
+from stplan.replanning.easing import easing_of
 from stplan.replanning.pacing import even_pace, paced_curves
 from stplan.scene.model import Scene, WorldChange
 from stplan.seeding.elastic_bands.geodesics import geodesic_curves
@@ -86,11 +87,12 @@ def mend(
         scene = replace(
             scene, time_scale=planned.time_scale, metric="chosen", turning=planned.turning
         )
+    easing = easing_of(scene, [name for name, _ in change.delays])
     try:
-        problem = planner.prepare(scene)
+        problem = planner.prepare(scene if easing is None else easing.scene)
     except SceneError as error:
         raise SeedingError(f"there is no way to go on after {change.at:g} s: {error}") from error
-    work = _Mending(problem, earlier, history, change)
+    work = _Mending(problem, earlier, history, change, () if easing is None else easing.pieces)
     lines = work.clear_lines(progress)
     lines = restore(problem, lines, progress=progress, stop=stop)
     sharp = sharpened(problem, lines)
@@ -101,6 +103,8 @@ def mend(
         work.on_their_knots(curves_of(written.outside(one)))
         for one in (lines, optimised.world_lines)
     )
+    if easing is not None:
+        seed, curves = easing.joined(seed), easing.joined(curves)
     return Mended(written.scene, curves, seed, work.replanned, optimised)
 
 
@@ -113,6 +117,7 @@ class _Mending:
         earlier: Scene,
         history: Mapping[str, FloatArray],
         change: WorldChange,
+        eased: Collection[str],
     ) -> None:
         self._problem, self._history, self._change = problem, history, change
         before = {agent.id: agent for agent in earlier.agents}
@@ -121,7 +126,10 @@ class _Mending:
         self._concerned = {
             a
             for a, name in enumerate(problem.agent_ids)
-            if before.get(name) != after[name] or name in delayed or name not in history
+            if before.get(name) != after.get(name)
+            or name in delayed
+            or name in eased
+            or name not in history
         } - set(np.flatnonzero(problem.prescribed).tolist())
         self._planning = set(np.flatnonzero(~problem.prescribed).tolist())
         fixed = {a for a, name in enumerate(problem.agent_ids) if name in delayed}

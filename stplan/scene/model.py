@@ -212,6 +212,7 @@ class Scene:
         changes: what becomes different on the way, in the order of time.
         replan_every: how often goals that move are decided anew, s; None where there are none.
         robust: what the plan has to forgive.
+        overlap: whether agents that start too near each other are refused, or eased apart.
     """
 
     name: str
@@ -238,6 +239,7 @@ class Scene:
     changes: tuple[WorldChange, ...] = added(())
     replan_every: float | None = added(None)
     robust: Robust = added(Robust())  # noqa: RUF009
+    overlap: Literal["refuse", "ease"] = added("refuse")
 
     def agent_path(self, agent: int) -> str:
         """Where an agent stands in the file."""

@@ -1,6 +1,6 @@
 """Maps: free space, boundary, seeding mesh, and whether a scene fits."""
 
-from stplan.world.erosion import eroded
+from stplan.world.erosion import eroded, nearest_in
 from stplan.world.free_space import FreeSpace, build_free_space, warnings_of
 from stplan.world.placement import (
     check_scene_in_world,
@@ -20,6 +20,7 @@ __all__ = [
     "cut_off_agents",
     "eroded",
     "fitted_free_space",
+    "nearest_in",
     "warnings_of",
     "widest_crack",
     "widest_passage",

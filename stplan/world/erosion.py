@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import shapely
 
+from stplan.arrays import FloatArray
+
 
 def eroded(polygon: shapely.Geometry, radius: float, **options: Any) -> shapely.Geometry:
     """`polygon` less everything within `radius` (m) of its boundary; `options` are shapely's buffer's.
@@ -25,3 +27,9 @@ def eroded(polygon: shapely.Geometry, radius: float, **options: Any) -> shapely.
     if not shape.is_empty and not np.isfinite(bounds).all():
         raise ArithmeticError(f"the area {radius:g} m off the walls cannot be computed")
     return shape
+
+
+def nearest_in(area: shapely.Geometry, point: FloatArray) -> FloatArray:
+    """The point (2,) of an area that is nearest to `point` (2,)."""
+    line = shapely.shortest_line(area, shapely.Point(point))
+    return np.asarray(shapely.get_coordinates(line)[0])

@@ -160,3 +160,34 @@ def test_a_plan_that_forgives_less_is_written_and_says_so(run, monkeypatch, tmp_
     improved = run("solve", "tram.yaml", "--improve", "1")
     assert improved.status == 2
     assert "robust.delay" in improved.err
+
+
+TOO_NEAR = """\
+stplan: 1
+name: near
+horizon: 12
+overlap: ease
+defaults: {radius: 0.4}
+agents:
+  - {id: ann, start: [0, 0], goal: [5, 4]}
+  - {id: bob, start: [0.3, 0], goal: [-5, -4]}
+"""
+
+
+def test_who_starts_too_near_is_named_wherever_the_plan_is(run, monkeypatch, tmp_path) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("near.yaml").write_text(TOO_NEAR, encoding="utf-8")
+    sentence = "ann and bob start 0.3 m apart, too near: clear from"
+    for command in (("solve", "near.yaml"), ("check", "outputs/near"), ("explain", "outputs/near")):
+        result = run(*command)
+        assert result.status == 0, result.err
+        assert sentence in result.out
+    asked = run("explain", "near.yaml")
+    assert asked.status == 0
+    assert "ann and bob: 0.3 m apart of 0.8 m" in asked.out
+    assert run("seed", "near.yaml", "-o", "seeds").status == 0
+    improved = run("improve", "outputs/near", "-o", "better", "--budget", "1")
+    assert improved.status == 2
+    refused = run("solve", "near.yaml", "--set", "overlap=refuse")
+    assert refused.status == 2
+    assert "agents[1].start: is 0.3 m from the start of 'ann'" in refused.err

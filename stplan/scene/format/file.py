@@ -235,6 +235,10 @@ class SceneFile(_Model):
     pairs: Annotated[list[PairFile], Field(max_length=MOST_PAIRS)] = Field(
         [], description="what differs from: every pair collides at the sum of its radii"
     )
+    overlap: Literal["refuse", "ease"] = Field(
+        "refuse",
+        description="what becomes of agents that start too near each other; ease: they go apart",
+    )
     robust: RobustFile = Field(RobustFile(), description="what the plan has to forgive")
     seeding: SeedingFile = Field(SeedingFile(), description="how initial curves are found")
     solver: SolverFile = Field(SolverFile(), description="how curves are optimised")

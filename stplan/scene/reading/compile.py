@@ -180,6 +180,7 @@ def compile_scene(
         replan_every=file.replan_every,
         horizon_rule="auto" if file.horizon == "auto" else "stated",
         minimise=file.minimise,
+        overlap=file.overlap,
         time_scale=1.0 if time_scale == "auto" else time_scale,
         metric="auto" if time_scale == "auto" else "stated",
         agents=tuple(agents),

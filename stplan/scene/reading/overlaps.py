@@ -17,7 +17,7 @@ ROWS = 512
 def overlap_faults(scene: Scene) -> list[Fault]:
     """One fault for every agent that overlaps an earlier one, with the first such as witness.
 
-    Looked at are starts of one start time, and goals on which both agents stay.
+    Looked at are starts of one start time, unless they are eased apart, and goals on which both agents stay.
     """
     times = np.array([agent.start_time for agent in scene.agents])
     # Those whose goals are places get spots of their own.
@@ -39,7 +39,8 @@ def overlap_faults(scene: Scene) -> list[Fault]:
         # Only pairs with an earlier agent, so that each pair is met once.
         earlier = everyone[None, :] < rows[:, None]
         together = earlier & (times[rows, None] == times[None, :])
-        faults += _close(scene, "start", starts, together, distance, first)
+        if scene.overlap == "refuse":
+            faults += _close(scene, "start", starts, together, distance, first)
         together = earlier & stays[rows, None] & stays[None, :]
         faults += _close(scene, "goal", goals, together, distance, first)
     return faults

@@ -28,8 +28,9 @@ def with_robustness(scene: Scene, file: RobustFile) -> Scene:
 
 
 def robust_faults(scene: Scene) -> list[Fault]:
-    """Delays are forgiven by plans; what is played has none."""
-    if scene.robust.delay and is_play(scene):
-        text = "is for plans, and goals that move or perception are played, round by round"
-        return [("robust.delay", text)]
-    return []
+    """Delays are forgiven, and those who start too near each other parted, in plans: plays have none."""
+    if not is_play(scene):
+        return []
+    text = "is for plans, and goals that move or perception are played, round by round"
+    given = {"robust.delay": bool(scene.robust.delay), "overlap": scene.overlap == "ease"}
+    return [(path, text) for path, asked in given.items() if asked]
