@@ -163,7 +163,7 @@ def improve(
     """
     if result.trajectories is None:
         return result
-    if result.report.chases is not None:
+    if result.status is Status.PLAYED:
         raise UsageError(f"{result.scene.name} was played: that is past improvement")
     from stplan.improvement import search
 
@@ -243,7 +243,7 @@ def prepare(scene: Scene, progress: Progress | None = None) -> PlanningProblem:
         raise UsageError(f"{scene.name} has events: `stplan solve` plans them, one after another")
     if is_play(scene):
         raise UsageError(
-            f"{scene.name} has goals that move or perception: `stplan solve` plays it, round by round"
+            f"{scene.name} has goals that move, perception or tasks: `stplan solve` plays it, round by round"
         )
     problem = planning_problem.prepare_local(scene)
     _say_notes(scene, problem.written.free_space, progress or unheard)

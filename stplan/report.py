@@ -15,6 +15,7 @@ from stplan.analysis.chases import Chases
 from stplan.analysis.cost_bound import CostBound
 from stplan.analysis.metrics import Metrics, metrics
 from stplan.analysis.robustness import Robustness
+from stplan.analysis.throughput import Throughput
 from stplan.certify.certificate import Certificate
 from stplan.clock import Clock
 from stplan.memory import MIB, peak
@@ -121,6 +122,7 @@ class Report:
         arrivals: how fast the plan is; None where its cost was to be least.
         chases: what became of goals that move; None where there are none.
         robustness: what the trajectories forgive; None where nothing was asked.
+        throughput: how many tasks were done in which time; None where there are none.
     """
 
     scene: Scene
@@ -136,6 +138,7 @@ class Report:
     arrivals: ArrivalGap | None = None
     chases: Chases | None = None
     robustness: Robustness | None = None
+    throughput: Throughput | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """For report.json."""
@@ -172,6 +175,8 @@ class Report:
             content["chases"] = self.chases.as_dict()
         if self.robustness is not None:
             content["robustness"] = self.robustness.as_dict()
+        if self.throughput is not None:
+            content["throughput"] = self.throughput.as_dict()
         if self.improvement is not None:
             content["improvement"] = self.improvement.as_dict()
         return content

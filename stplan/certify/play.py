@@ -1,5 +1,7 @@
 """The certificate of a scene whose goals move: what any scene promises, and that captures are right.
 
+Where robots have tasks, all of these are done.
+
 Everybody is there until the end of the play, but for who is caught: its curve ends at the very moment at
 which a pursuer has come near enough, and not later. Who is caught need not come to rest, and its last
 segment counts as long as the one before.
@@ -17,6 +19,7 @@ from stplan.arrays import FloatArray
 from stplan.certify.certificate import Certificate, certify
 from stplan.certify.ends import agents_that_differ
 from stplan.certify.motion import motion_peaks, place_tolerance, time_tolerance
+from stplan.certify.tasks import done_tasks
 from stplan.problem.continuation import curves_of
 from stplan.problem.ends import ending_as, last_moment
 from stplan.problem.world_lines import WorldLines
@@ -53,6 +56,7 @@ def certify_play(scene: Scene, space: FreeSpace | None, lines: WorldLines) -> Ce
             peaks |= {(peak.agent, peak.limit): peak for peak in own}
     broken = [str(peak) for peak in peaks.values() if not peak.holds]
     sentences = [*found.violations, *broken, *_broken_captures(scene, curves, end)]
+    sentences += done_tasks(scene, curves)[1]
     return replace(found, violations=tuple(dict.fromkeys(sentences)), limits=tuple(peaks.values()))
 
 

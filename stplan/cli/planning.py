@@ -186,7 +186,7 @@ def _plan_one(
         raise UsageError(f"{scene.name} has events: what is executed with them is past improvement")
     if budget is not None and is_play(scene):
         raise UsageError(
-            f"{scene.name} has goals that move or perception: what is played is past improvement"
+            f"{scene.name} has goals that move, perception or tasks: what is played is past improvement"
         )
     stop = StopRequest()
     with answered_by(stop.make):
@@ -237,8 +237,9 @@ def _plan_lines(plan: Plan, files: list[Path], verbose: bool) -> list[str]:
     metrics, eased = plan.report.metrics, plan.certificate.eased
     lines = [f"{plan.scene.name}: {plan.status}", f"  {plan.certificate.summary}"]
     lines += [f"  {one}" for one in eased]
-    if plan.report.chases is not None:
-        return [*lines, *(f"  {one}" for one in plan.report.chases.sentences), *_files_line(files)]
+    for played in (plan.report.chases, plan.report.throughput):
+        if played is not None:
+            return [*lines, *(f"  {one}" for one in played.sentences), *_files_line(files)]
     figures = []
     if metrics.kinetic_over_straight is not None:
         ratio = metrics.kinetic_over_straight

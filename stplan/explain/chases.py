@@ -1,14 +1,51 @@
-"""Goals that move in words: what everybody wants of whom, and what became of it."""
+"""Goals that move and tasks in words: what everybody wants, and what became of it."""
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from stplan.amounts import amount
 from stplan.analysis.chases import chases
+from stplan.analysis.throughput import throughput
 from stplan.explain.explanation import Fact, Section
 from stplan.problem.world_lines import WorldLines
 from stplan.scene.model import Scene
 from stplan.scene.moving_goals import REPLAN_EVERY, MovingGoal
-from stplan.wording import names
+from stplan.scene.tasks import WINDOW, RobotTask
+from stplan.wording import count, names
+
+if TYPE_CHECKING:
+    from stplan.world import FreeSpace
+
+
+def tasks_section(scene: Scene) -> Section:
+    """What the robots of a scene have to do."""
+    lists: dict[str | None, list[RobotTask]] = {}
+    for task in scene.tasks:
+        lists.setdefault(task.agent, []).append(task)
+    facts = []
+    for name, tasks in lists.items():
+        whose = "shared by all" if name is None else f"of {name}"
+        points = count(len({task.at for task in tasks}), "point")
+        service = sum(task.service for task in tasks)
+        facts.append(
+            Fact(
+                f"{count(len(tasks), 'task')} {whose}, at {points}, {amount(service)} s of service"
+            )
+        )
+    every = amount(scene.replan_every or REPLAN_EVERY)
+    lead = (
+        f"Every {every} s whoever's plan ends within {amount(WINDOW)} s is planned on, among the plans "
+        "of all others, until all is done:"
+    )
+    return Section("tasks", "What is to be done", lead, facts)
+
+
+def done_section(scene: Scene, space: FreeSpace | None, lines: WorldLines) -> Section:
+    """What of the tasks of `scene` was done on `lines`, and how fast."""
+    found = throughput(scene, space, lines)
+    facts = [Fact("No task was done.")] if found is None else [*map(Fact, found.sentences)]
+    return Section("tasks", "What was done", "", facts)
 
 
 def wishes_section(scene: Scene) -> Section:

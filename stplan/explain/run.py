@@ -13,7 +13,7 @@ from stplan.certify.certificate import Certificate, certify
 from stplan.certify.history import certify_history
 from stplan.certify.play import certify_play
 from stplan.explain.arrivals import arrival_section
-from stplan.explain.chases import outcome_section
+from stplan.explain.chases import done_section, outcome_section
 from stplan.explain.costs import cost_section
 from stplan.explain.curves import curve_sections
 from stplan.explain.explanation import Explanation, Fact, Section
@@ -72,7 +72,9 @@ def explain_run(
             for change in happened.changes
         ]
         sections.append(Section("events", "What happened on the way", "", facts))
-    if is_play(happened):
+    if happened.tasks:
+        sections.append(done_section(happened, problem.free_space, lines))
+    elif is_play(happened):
         sections.append(outcome_section(happened, lines))
     if certificate.eased:
         lead = "They are eased apart, and certified from the moment they are clear:"

@@ -20,7 +20,7 @@ from stplan.certify.easing import too_near_at_start
 from stplan.certify.places import distance_outside
 from stplan.errors import BROKEN_SEED, BrokenSeedError, SeedingError
 from stplan.explain.arrivals import arrival_section
-from stplan.explain.chases import wishes_section
+from stplan.explain.chases import tasks_section, wishes_section
 from stplan.explain.costs import cost_section
 from stplan.explain.curves import curve_sections
 from stplan.explain.explanation import Explanation, Fact, Section
@@ -51,10 +51,11 @@ def explain_scene(
     seeding = replace(scene.seeding, time_limit=min(time_limit, scene.seeding.time_limit))
     scene = replace(scene, changes=())  # What happens on the way is not known when planning begins.
     if is_play(scene):
+        wishes = tasks_section(scene) if scene.tasks else wishes_section(scene)
         sections = [
             population(prepare_written(scene)),
             *robust_sections(scene),
-            wishes_section(scene),
+            wishes,
         ]
         return Explanation(f"{scene.name}: a valid scene.", tuple(sections)), True
     eased = eased_sections(scene)

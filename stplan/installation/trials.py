@@ -21,6 +21,7 @@ from stplan.seeding.margins import margin_ladder
 from stplan.seeding.search.joint import plan_jointly
 from stplan.seeding.search.joint_search import JointSearch
 from stplan.seeding.search.levels import Levels
+from stplan.seeding.search.way_timing import timed_way
 from stplan.seeding.seeder import Budget
 from stplan.seeding.shortcutting.pacing import paced
 
@@ -152,6 +153,9 @@ def _keep_to_ways(problem: PlanningProblem) -> None:
         for a in range(problem.num_agents)
     ]
     paced(problem, curves, 0, curves[0][:, :2], least_requirement(problem))
+    points = np.linspace(problem.starts[0], problem.goals[0], 9)
+    theirs = np.repeat(problem.starts[1:, None], 2, axis=1)
+    timed_way(points, theirs, np.full(len(theirs), float(problem.radii[:2].sum())), 40)
 
 
 def _crowd_text(count: int) -> str:

@@ -51,7 +51,7 @@ def _played_as(scene: Scene, lines: WorldLines) -> Scene:
             if t < end or agent.moving_goal is not None:
                 own = replace(own, goal=(x, y))
         agents.append(replace(own, moving_goal=None, sight=None))
-    return replace(scene, agents=tuple(agents), replan_every=None)
+    return replace(scene, agents=tuple(agents), replan_every=None, tasks=())
 
 
 def lasting_as(scene: Scene, lines: WorldLines) -> Scene:

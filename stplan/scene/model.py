@@ -15,6 +15,7 @@ from stplan.arrays import Point
 from stplan.maps.spec import MapSpec
 from stplan.scene.moving_goals import MovingGoal
 from stplan.scene.places import Assignment, Place
+from stplan.scene.tasks import RobotTask
 from stplan.schema.hashing import added
 
 # How initial curves may be found: by one seeder, or by the portfolio of them.
@@ -213,6 +214,7 @@ class Scene:
         replan_every: how often goals that move are decided anew, s; None where there are none.
         robust: what the plan has to forgive.
         overlap: whether agents that start too near each other are refused, or eased apart.
+        tasks: what robots do one after another, those of each in its order.
     """
 
     name: str
@@ -240,6 +242,7 @@ class Scene:
     replan_every: float | None = added(None)
     robust: Robust = added(Robust())  # noqa: RUF009
     overlap: Literal["refuse", "ease"] = added("refuse")
+    tasks: tuple[RobotTask, ...] = added(())
 
     def agent_path(self, agent: int) -> str:
         """Where an agent stands in the file."""

@@ -33,8 +33,10 @@ class MovingGoal:
 
 
 def is_play(scene: Scene) -> bool:
-    """Whether a scene has goals that move, or agents that do not see all others."""
-    return any(agent.moving_goal is not None or agent.sight is not None for agent in scene.agents)
+    """Whether a scene has goals that move, tasks, or agents that do not see all others."""
+    return bool(scene.tasks) or any(
+        agent.moving_goal is not None or agent.sight is not None for agent in scene.agents
+    )
 
 
 def captures(scene: Scene) -> list[tuple[int, int, float]]:

@@ -77,11 +77,22 @@ def _misplaced_points(scene: Scene, free_space: FreeSpace) -> list[str]:
         if agent.weights.wall > 0
         for key, point in fixed_points(agent)
     ]
+    paths = [f"{scene.agent_path(a)}.{key}" for a, key, _ in entries]
+    for task in scene.tasks:
+        # A shared task is for whoever is free, so also for the largest.
+        able = [
+            a
+            for a, agent in enumerate(scene.agents)
+            if task.agent in (None, agent.id) and agent.weights.wall > 0
+        ]
+        if able:
+            entries.append((max(able, key=lambda a: scene.agents[a].radius), "", task.at))
+            paths.append(task.path)
     if not entries:
         return []
     clearances = free_space.clearance(np.array([point for _, _, point in entries]))
-    messages = []
-    for (a, key, point), clearance in zip(entries, clearances.tolist(), strict=True):
+    messages: dict[str, None] = {}
+    for (a, _, point), path, clearance in zip(entries, paths, clearances.tolist(), strict=True):
         radius = scene.agents[a].radius
         if clearance > radius:
             continue
@@ -92,12 +103,9 @@ def _misplaced_points(scene: Scene, free_space: FreeSpace) -> list[str]:
             if clearance < 0
             else f"{where} is {room} m from a wall, but the radius is {needed} m"
         )
-        messages.append(
-            scene.located(
-                f"{scene.agent_path(a)}.{key}", f"{fault}; more than the radius is expected"
-            )
-        )
-    return messages
+        text = scene.located(path, f"{fault}; more than the radius is expected")
+        messages.setdefault(text)
+    return list(messages)
 
 
 def _unreachable_places(scene: Scene, room: StandingRoom) -> list[str]:

@@ -28,7 +28,7 @@ BARE = {
     Scene: {
         "name", "description", "source", "content_hash", "seeding", "locations", "overridden",
         "overrides", "agent_paths", "places", "assignments", "metric", "turning", "minimise",
-        "horizon_rule", "changes", "replan_every", "overlap",
+        "horizon_rule", "changes", "replan_every", "overlap", "tasks",
     },
 }  # fmt: skip
 EVERYTHING = (

@@ -14,6 +14,7 @@ from stplan.maps.registry import MapFile
 from stplan.scene.format.agents import MOST_AGENTS, AgentEntry, SharedFields
 from stplan.scene.format.events import MOST_EVENTS, EventFile
 from stplan.scene.format.places import MOST_PLACES, PlaceFile, Side
+from stplan.scene.format.tasks import TasksFile
 from stplan.scene.model import Objective, SeedingMethod, SeedingSettings, SolverSettings
 from stplan.scene.moving_goals import REPLAN_EVERY
 from stplan.schema.mapping import GIVEN as _GIVEN
@@ -210,13 +211,20 @@ class SceneFile(_Model):
         description="what is to be least: energy (with all other costs), the sum of arrival times, "
         "or the makespan, when the last agent arrives; the latter two need max_speed",
     )
-    horizon: Annotated[float | Literal["auto"] | None, Or(Positive, "auto"), _GIVEN] = _key(
+    horizon: Annotated[
+        float | Literal["auto", "none"] | None, Or(Positive, "auto", "none"), _GIVEN
+    ] = _key(
         "T^max of agents without max_time, and how long agents stay, s; "
         "may be left out where every agent has a max_time or a path; "
-        "auto, where arrivals or makespan are minimised: as long as it takes"
+        "auto, where arrivals or makespan are minimised: as long as it takes; "
+        "none, with tasks: until all are done"
     )
     replan_every: Annotated[Positive | None, _GIVEN] = _key(
-        "how often goals that move are decided anew, s", REPLAN_EVERY
+        "how often goals that move are decided anew, and robots with tasks planned on, s",
+        REPLAN_EVERY,
+    )
+    tasks: Annotated[TasksFile | None, _GIVEN] = _key(
+        "what robots do one after another, without an end; then they go to their goals"
     )
     time_scale: Annotated[float | Literal["auto"], Or(Positive, "auto")] = Field(
         "auto",

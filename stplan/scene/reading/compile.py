@@ -42,6 +42,7 @@ from stplan.scene.reading.patterns import Listed, listed_agents, num_agents
 from stplan.scene.reading.places import Places, compile_places
 from stplan.scene.reading.residents import Residents
 from stplan.scene.reading.robustness import robust_faults, with_robustness
+from stplan.scene.reading.tasks import endless_faults, with_homes, with_some_goal, with_tasks
 from stplan.schema.mapping import Fault
 from stplan.schema.quantities import REFUSED_OPTIONS
 
@@ -64,6 +65,7 @@ class Parts:
     map: MapFile | None
     places: Mapping[str, PlaceFile] | None
     rng_seed: int
+    has_tasks: bool
 
 
 def parts_of(file: SceneFile) -> Parts:
@@ -78,6 +80,7 @@ def parts_of(file: SceneFile) -> Parts:
         file.map,
         file.places,
         file.seeding.rng_seed,
+        file.tasks is not None,
     )
 
 
@@ -110,6 +113,7 @@ def salvage(tree: Mapping[str, Any], broken: set[str]) -> Parts:
         read(MapFile, "map", tree.get("map")),
         _sound_places(tree.get("places", {}), broken),
         SEEDING.rng_seed,
+        tree.get("tasks") is not None,
     )
 
 
@@ -178,7 +182,7 @@ def compile_scene(
         if file.horizon is None
         else latest_time(file.horizon) or 1.0,
         replan_every=file.replan_every,
-        horizon_rule="auto" if file.horizon == "auto" else "stated",
+        horizon_rule="auto" if isinstance(file.horizon, str) else "stated",
         minimise=file.minimise,
         overlap=file.overlap,
         time_scale=1.0 if time_scale == "auto" else time_scale,
@@ -194,13 +198,18 @@ def compile_scene(
         assignments=_assignments(parts, listed),
     )
     scene = with_long_horizon(with_robustness(scene, file.robust))
-    faults += haste_faults(scene, file.defaults)
+    faults += endless_faults(file)
+    if file.tasks is not None and not faults:
+        scene = with_tasks(scene, file.tasks, places, directory, faults, hints)
+    if file.horizon != "none":
+        faults += haste_faults(scene, file.defaults)
     faults += moving_faults(scene, file.defaults, hints)
     faults += robust_faults(scene)
     # Places of agents that have faults themselves would only make followers of these.
     if not any(path.startswith(PLACED) for path, _ in faults):
         full: list[Fault] = []
         scene = with_drawn_starts(scene, _drawn(listed, places, hints), full)
+        scene = with_homes(scene, listed)
         scene = with_passed_points(
             scene, passed_places(listed, parts.defaults, places, hints), full
         )
@@ -314,7 +323,9 @@ def _agents(
         return []
     horizon = latest_time(parts.horizon)
     agents = [
-        merged_agent(parts.defaults, one.agent, one, horizon, places, faults, hints)
+        merged_agent(parts.defaults, with_some_goal(one.agent), one, horizon, places, faults, hints)
+        if parts.has_tasks
+        else merged_agent(parts.defaults, one.agent, one, horizon, places, faults, hints)
         for one in listed
         if one.agent is not None
     ]

@@ -101,7 +101,7 @@ class _Draw:
         apart = ROOMY if spacing is None else 1.0
         widest = 2.0 * float(self._halves[members].max())
         if spacing is None:
-            points = _scattered(region, DRAWS * len(members), self._rng)
+            points = scattered(region, DRAWS * len(members), self._rng)
         else:
             points = self._rng.permutation(_lattice(region, spacing * widest))
         k = 0
@@ -131,7 +131,7 @@ class _Draw:
         return np.array([start[0], start[1], self._scene.time_scale * time])
 
 
-def _scattered(region: shapely.Geometry, count: int, rng: np.random.Generator) -> FloatArray:
+def scattered(region: shapely.Geometry, count: int, rng: np.random.Generator) -> FloatArray:
     """About `count` points (n, 2) of `region`, evenly drawn."""
     import shapely
 

@@ -58,7 +58,7 @@ def compile_events(
         text = "need a horizon that is stated, and go with `minimise: energy` alone"
         return (), [("events", text)]
     if is_play(scene):
-        return (), [("events", "do not go together with goals that move or perception")]
+        return (), [("events", "do not go together with goals that move, perception or tasks")]
     plain = [deepcopy(entry) for entry in tree.get("events", [])]
     for k, event in enumerate(events):
         moment = moments.setdefault(event.at, _Moment(path=f"events[{k}]"))

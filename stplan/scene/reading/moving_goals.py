@@ -20,7 +20,7 @@ from stplan.schema.mapping import Fault
 # Who is caught is so near, by default, as a multiple of the distance that the two keep.
 CAPTURE = 1.5
 # What is not planned once for all.
-PLAYED = "a scene with goals that move or with perception"
+PLAYED = "a scene with goals that move, perception or tasks"
 _BELONGS = {"within": "follow", "capture": "pursue", "places": "evade"}
 
 
@@ -80,17 +80,18 @@ def moving_faults(scene: Scene, defaults: SharedFields, hints: Hints) -> list[Fa
         if scene.replan_every is None:
             return []
         return [
-            ("replan_every", "belongs to goals that move and to perception, and there is neither")
+            ("replan_every", "belongs to goals that move, perception and tasks; there are none")
         ]
     faults = _unknown(scene, hints)
     needs = f"{PLAYED} needs"
     if scene.map is None:
         faults.append(("map", f"is missing; {needs} one"))
-    if scene.minimise != "energy" or scene.horizon_rule == "auto":
+    open_end = scene.horizon_rule == "auto" and not scene.tasks
+    if scene.minimise != "energy" or open_end:
         text = "needs a horizon that is stated, and goes with `minimise: energy` alone"
         faults.append(("minimise", f"{PLAYED} {text}"))
-    elif scene.replan_every is not None and scene.replan_every >= scene.horizon:
-        every, last = distinct(scene.replan_every, scene.horizon)
+    elif not scene.tasks and (scene.replan_every or 0.0) >= scene.horizon:
+        every, last = distinct(scene.replan_every or 0.0, scene.horizon)
         text = f"is {every} s; less than the horizon {last} s is expected"
         faults.append(("replan_every", text))
     if scene.assignments:
@@ -119,7 +120,19 @@ def _unfit(scene: Scene, agent: Agent) -> Sequence[tuple[str, str]]:
     if agent.path is not None:
         return [("path", "nobody moves on a path")]
     begin = scene.agents[0].start_time
+    working = bool(scene.tasks)
     given = [
+        (
+            "goal",
+            "robots with tasks have points as goals",
+            working and agent.moving_goal is not None,
+        ),
+        ("perception", "robots with tasks know of all", working and agent.sight is not None),
+        (
+            "max_acceleration",
+            "robots with tasks start and stop at once",
+            working and agent.max_acceleration is not None,
+        ),
         ("waypoints", "nobody has waypoints", bool(agent.waypoints)),
         ("after_arrival", "nobody vanishes on arrival", agent.after_arrival == "vanish"),
         ("start_velocity", "everybody starts at rest", agent.start_velocity is not None),

@@ -215,7 +215,7 @@ def _along(line: list[list[float]], count: int) -> list[list[float]]:
 
 def _table(name: str, directory: Path, path: str, faults: list[Fault]) -> list[dict[str, Any]]:
     """Checked values of every row of a CSV table."""
-    table = _table_text(name, directory, path, faults)
+    table = table_text(name, directory, path, faults)
     if table is None:
         return []
     rows = table.rows()
@@ -244,7 +244,8 @@ def _table(name: str, directory: Path, path: str, faults: list[Fault]) -> list[d
     return [] if bad else found
 
 
-def _table_text(name: str, directory: Path, path: str, faults: list[Fault]) -> CsvTable | None:
+def table_text(name: str, directory: Path, path: str, faults: list[Fault]) -> CsvTable | None:
+    """The CSV table of a name beside the scene; None with a new fault."""
     source = directory / name
     try:
         if Path(name).is_absolute():
