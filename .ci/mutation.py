@@ -137,6 +137,19 @@ EQUIVALENT: dict[tuple[str, ...], str] = {
         "2 -> 3",
         "range(2)",
     ): "time as a third coordinate is the same for both",
+    (
+        "history.py",
+        "when = np.append(0.5 * (times[1:] + times[:-1]), times[-1])",
+        "1 -> 2",
+        "times[-1])",
+    ): "after the last knot the speed is 0, and never the greatest",
+    (
+        "local_frame.py",
+        "largest = float(np.abs([low, high]).max())",
+        "max -> min",
+    ): "coordinates that differ do so by their spacing at least",
+    ("wall_clearance.py", "if along <= 0.0:", "LtE -> Lt"): "at an end both ways give that end",
+    ("wall_clearance.py", "if along >= 1.0:", "GtE -> Gt"): "the same",
 }
 
 

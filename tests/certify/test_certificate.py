@@ -133,6 +133,18 @@ def test_a_given_path_is_followed() -> None:
     cut = only(check(agents, {"a": [given[0], given[2]]}))
     assert cut.startswith("a: leaves its given path by ")
     assert "leaves its given path" in only(check(agents, {"a": [*given[:2], [9, 1, 7]]}))
+    # In one coordinate alone.
+    aside = only(check(agents, {"a": [given[0], [5, 2.5, 3], given[2]]}))
+    assert aside == "a: leaves its given path by 0.5 m"
+    ahead = only(check(agents, {"a": [given[0], [5.25, 2, 3], given[2]]}))
+    assert ahead == "a: leaves its given path by 0.25 m"
+
+
+def test_distances_are_said_to_six_digits() -> None:
+    found = check(ONE, {"a": [[1, 1, 0], [5, 1 / 3, 5], [9, 1, 10]]})
+    assert only(found) == (
+        "a: 0.333333 m from a wall at t = 5 s, (5, 0.333333); more than its radius 0.5 m is needed"
+    )
 
 
 PAIR = (

@@ -92,6 +92,10 @@ def test_those_who_are_removed_start_as_they_were_to_and_are_gone_in_time() -> N
     [
         ([[0, 0, 0]], "ann: needs at least two finite knots whose times increase"),
         ([[0, 0, 0], [8, 0, 0]], "ann: needs at least two finite knots whose times increase"),
+        (
+            [[0, 0, 0], [5, 0, 5], [6, 0, 4], [8, 0, 8]],
+            "ann: needs at least two finite knots whose times increase",
+        ),
         ([[0, 0, 0], [np.nan, 0, 8]], "ann: needs at least two finite knots whose times increase"),
     ],
 )

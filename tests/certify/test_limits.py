@@ -188,6 +188,34 @@ def test_meetings_between_knots_and_windows() -> None:
     assert check("radius: 0.3", up, down, off % ", window: [9, 20]").holds
 
 
+@pytest.mark.parametrize(("within", "met"), [(3.0, True), (2.9, False)])
+def test_a_meeting_may_be_of_a_single_instant(within: float, met: bool) -> None:
+    # The one leaves at the very moment at which the other comes, 3 m from it.
+    scene = parse_scene(
+        "stplan: 1\nhorizon: 10\nagents:\n"
+        "  - {id: a, start: [0, 0], goal: [8, 0], max_time: 4, after_arrival: vanish}\n"
+        "  - {id: b, start: [8, 3], goal: [0, 3], start_time: 4}\n"
+        f"pairs: [{{between: [a, b], meet: {{within: {within}}}}}]\n"
+    )
+    curves = [
+        np.array(one, dtype=float) for one in ([[0, 0, 0], [8, 0, 4]], [[8, 3, 4], [0, 3, 10]])
+    ]
+    found = certify(scene, None, WorldLines.from_curves(["a", "b"], curves))
+    assert found.holds == met
+    assert (found.meetings[0].time, found.meetings[0].place) == (4.0, (8.0, 1.5))
+
+
+@pytest.mark.parametrize(("aside", "kept"), [(6e-7, True), (9e-7, False)])
+def test_far_away_places_are_told_apart_as_far_as_coordinates_can(aside: float, kept: bool) -> None:
+    # At 9e8 m coordinates are 1.2e-7 m apart; four of these count, and a millionth of the radius.
+    scene = parse_scene(
+        "stplan: 1\nhorizon: 10\nagents:\n  - {id: a, start: [899999996, 0], goal: [900000004, 0], "
+        f"waypoints: [[900000000, {aside!r}]]}}\n"
+    )
+    curve = np.array([[899999996, 0, 0], [900000004, 0, 8.0]])
+    assert certify(scene, None, WorldLines.from_curves(["a"], [curve])).holds == kept
+
+
 def test_who_vanishes_before_is_not_met() -> None:
     gone = check(
         "radius: 0.3, after_arrival: vanish, max_time: 4",

@@ -40,15 +40,17 @@ def test_every_pair_that_comes_near_is_found(seed: int) -> None:
     assert all(wanted[pair] for pair in looked_at)
 
 
-def test_touching_boxes_count() -> None:
-    # They come to exactly the sum of both, at an instant, at a knot of both.
-    lines = WorldLines.from_curves(
-        ["a", "b"],
-        [
-            np.array([[0, 0, 0], [4, 1, 5], [8, 0, 10.0]]),
-            np.array([[0, 3, 0], [4, 2, 5], [8, 3, 10.0]]),
-        ],
-    )
+@pytest.mark.parametrize("quarters", range(4))
+def test_touching_boxes_count(quarters: int) -> None:
+    # They come to exactly the sum of both, at an instant, at a knot of both; from every side.
+    turn = np.linalg.matrix_power(np.array([[0.0, -1.0], [1.0, 0.0]]), quarters)
+    curves = [
+        np.array([[0, 0, 0], [4, 1, 5], [8, 0, 10.0]]),
+        np.array([[0, 3, 0], [4, 2, 5], [8, 3, 10.0]]),
+    ]
+    for curve in curves:
+        curve[:, :2] = curve[:, :2] @ turn.T
+    lines = WorldLines.from_curves(["a", "b"], curves)
     wanted = ~np.eye(2, dtype=bool)
     leaves = np.array([10.0, 10.0])
     assert near_pairs(lines, leaves, wanted, np.array([0.5, 0.5])).tolist() == [[0, 1]]
