@@ -27,14 +27,15 @@ MISSING = -1
 _UNNEEDED = -2
 
 
-def near_blocks(contacts: ContactList, num_knots: int) -> IntArray:
-    """(B, 2) pairs of knots (row >= column), unique, that contacts join."""
+def near_blocks(contacts: ContactList, num_knots: int) -> ContactBlocks:
+    """Between all knots that contacts join."""
     rows = contacts.points[:, _FIRST]
     columns = contacts.points[:, _SECOND]
     high, low = np.maximum(rows, columns), np.minimum(rows, columns)
     keep = (high < num_knots) & ((high != low) | (_FIRST == _SECOND))
     codes = distinct(high[keep] * num_knots + low[keep])
-    return np.column_stack([codes // num_knots, codes % num_knots])
+    blocks = np.column_stack([codes // num_knots, codes % num_knots])
+    return ContactBlocks(blocks, num_knots, dimension=3)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ same term with a set that is complete around other knots, for whoever walks ther
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
@@ -32,13 +33,18 @@ class ContactModel:
 
     Attributes:
         potential: how distances become a cost.
-        blocks: room for second derivatives.
+        make_blocks: called for `blocks`, when second derivatives are asked for at last.
         coupling: room for the dense part of the exact Hessian of smooth minima, None without them.
     """
 
     potential: Potential
-    blocks: ContactBlocks
+    make_blocks: Callable[[], ContactBlocks]
     coupling: DenseCoupling | None = None
+
+    @cached_property
+    def blocks(self) -> ContactBlocks:
+        """Room for second derivatives."""
+        return self.make_blocks()
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,12 @@ a pair the greater wish counts, unless the pair has its own, and the mean of bot
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray
-from stplan.costs.contacts.blocks import ContactBlocks, near_blocks, own_blocks
+from stplan.costs.contacts.blocks import near_blocks, own_blocks
 from stplan.costs.contacts.contact_set import ContactList, ContactSet
 from stplan.costs.contacts.contact_term import ContactModel, ContactTerm
 from stplan.costs.contacts.potential import Coefficients
@@ -97,12 +98,11 @@ class PairClearance(ContactTerm):
     ) -> None:
         candidates = RodCandidates(rods, collides & (wish > 0.0), distance + wish)
         widest = float(wish.max())
-        near = near_blocks(candidates.find(knots, SKIN * widest), len(knots))
         super().__init__(
             ContactSet.fresh(candidates, knots, LIST_SKIN * widest),
             ContactModel(
                 WishedClearance(distance.ravel(), weight.ravel(), wish.ravel(), shares),
-                ContactBlocks(near, len(knots), dimension=3),
+                lambda: near_blocks(candidates.find(knots, SKIN * widest), len(knots)),
             ),
         )
 
@@ -153,7 +153,7 @@ class WallClearance(ContactTerm):
             ContactSet.fresh(candidates, knots, LIST_SKIN * float(wish.max())),
             ContactModel(
                 WishedClearance(radii, weight, wish, shares),
-                own_blocks(candidates.segments, len(knots)),
+                partial(own_blocks, candidates.segments, len(knots)),
             ),
         )
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stplan.arrays import BoolArray, FloatArray
-from stplan.costs.contacts.blocks import ContactBlocks, DenseCoupling, near_blocks
+from stplan.costs.contacts.blocks import DenseCoupling, near_blocks
 from stplan.costs.contacts.contact_set import Candidates, ContactSet
 from stplan.costs.contacts.contact_term import ContactModel, ContactTerm
 from stplan.costs.contacts.nearest_candidates import NearestCandidates
@@ -103,13 +103,14 @@ class Collision(ContactTerm):
         endless = smooth is not None and not np.isfinite(reach[collides]).all()
         room = ENDLESS_SKIN * skin if endless else skin
         part = NARROW if len(knots) >= MANY_KNOTS else 1.0
-        blocks = near_blocks(curved.find(knots, part * room), len(knots))
         coupling = None
         if smooth is not None:
             coupling = DenseCoupling(candidates.find(knots, skin), len(knots), dimension=3)
         super().__init__(
             ContactSet.fresh(candidates, knots, LIST_SKIN * room),
-            ContactModel(potential, ContactBlocks(blocks, len(knots), dimension=3), coupling),
+            ContactModel(
+                potential, lambda: near_blocks(curved.find(knots, part * room), len(knots)), coupling
+            ),
         )
 
     @classmethod

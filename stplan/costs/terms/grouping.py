@@ -7,10 +7,12 @@ pair are segments looked at one by one.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from stplan.arrays import FloatArray
-from stplan.costs.contacts.blocks import ContactBlocks, DenseCoupling, near_blocks
+from stplan.costs.contacts.blocks import DenseCoupling, near_blocks
 from stplan.costs.contacts.contact_set import ContactSet
 from stplan.costs.contacts.contact_term import ContactModel, ContactTerm
 from stplan.costs.contacts.nearest_candidates import NearestCandidates
@@ -51,7 +53,7 @@ class Grouping(ContactTerm):
             ContactSet.fresh(candidates, knots, typical),
             ContactModel(
                 QuadraticPull(distance.ravel(), grouping.ravel(), alpha),
-                ContactBlocks(near_blocks(wide, len(knots)), len(knots), dimension=3),
+                partial(near_blocks, wide, len(knots)),
                 DenseCoupling(wide, len(knots), dimension=3),
             ),
         )

@@ -9,6 +9,7 @@ A contact weighs its curve's `segment_shares`, so that more knots make no strong
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -104,7 +105,7 @@ class Wall(ContactTerm):
             coupling = DenseCoupling(candidates.find(knots, skin), len(knots), dimension=2)
         super().__init__(
             ContactSet.fresh(candidates, knots, skin),
-            ContactModel(potential, own_blocks(self._segments, len(knots)), coupling),
+            ContactModel(potential, partial(own_blocks, self._segments, len(knots)), coupling),
         )
 
     @classmethod
