@@ -48,22 +48,18 @@ class Scales:
     wall_reach: FloatArray
     span: float
 
-    @property
-    def pair_barrier(self) -> FloatArray:
-        """(A + B, A + B) what pairs feel of mu: the geometric mean, or of one alone where the other is fixed.
+    def pair_barrier(self, first: IntArray, second: IntArray) -> FloatArray:
+        """What pairs feel of mu: the geometric mean, or of one alone where the other is fixed.
 
-        As many as `pair_reach` is for: behind the agents those around them.
+        Of the agents and, behind them, of those around them, who are fixed.
         """
         barrier = np.zeros(len(self.pair_reach))
         barrier[: len(self.barrier)] = self.barrier
         own = np.where(barrier > 0.0, barrier, 1.0)
-        mean = own[:, None] * own[None, :]
-        np.sqrt(mean, out=mean)
+        mean = np.sqrt(own[first] * own[second])
         fixed = barrier == 0.0
-        if not fixed.any():
-            return mean
-        mean = np.where(fixed[:, None], barrier[None, :], mean)
-        return np.where(fixed[None, :], barrier[:, None], mean)
+        mean = np.where(fixed[first], barrier[second], mean)
+        return np.where(fixed[second], barrier[first], mean)
 
     def lead_in(self, factor: float) -> Scales:
         """With barriers `factor` times as strong, but no more than what an agent pays asks for."""

@@ -49,20 +49,18 @@ def formulate(
         timed=find_timed_constraints(problem, layout, knots, planned),
         surroundings=surroundings,
     )  # fmt: skip
-    return replace(formulation, padding=_padding(formulation, knots))
+    return replace(formulation, padding=padding(formulation, knots))
 
 
-def _padding(formulation: Formulation, knots: FloatArray) -> float:
-    """As much padding as the seed's clearance allows."""
+def padding(formulation: Formulation, knots: FloatArray) -> float:
+    """As much relative padding of distances as the clearance at `knots` (M, 3) allows."""
     scales, widest = formulation.scales, float(formulation.interactions.distance.max())
     # Barriers of hardly any range would not see what the padding needs.
     reach = 2.0 * PADDING * widest
-    seeing = replace(
-        scales,
-        pair_reach=np.maximum(scales.pair_reach, reach),
-        wall_reach=np.maximum(scales.wall_reach, reach),
-    )
-    setup = TermSetup(replace(formulation, scales=seeing), knots, 0.0)
+    if scales.pair_reach.min() < reach:
+        scales = replace(scales, pair_reach=np.maximum(scales.pair_reach, reach))
+    scales = replace(scales, wall_reach=np.maximum(scales.wall_reach, reach))
+    setup = TermSetup(replace(formulation, scales=scales, padding=0.0), knots, 0.0)
     terms = build_terms(setup, Capability.CLEARANCE)
     least = min((term.least_clearance(knots) for term in terms), default=np.inf)
     return float(min(PADDING, 0.5 * max(least, 0.0) / widest))

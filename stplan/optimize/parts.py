@@ -19,7 +19,7 @@ from stplan.costs.formulation import TermSetup
 from stplan.costs.registry import build_terms
 from stplan.nlp.step_control import Stopwatch
 from stplan.nlp.term import Capability
-from stplan.optimize.assembly import formulate
+from stplan.optimize.assembly import formulate, padding
 from stplan.optimize.continuation import LiveLine, Optimisation, OuterIteration, optimise
 from stplan.optimize.cost_scales import CostScales, written_costs
 from stplan.optimize.surveyor import Surveyor
@@ -208,7 +208,7 @@ class DividedProblem:
         Parts were padded by what their own clearances allowed; what is left holds for all of them.
         """
         lines, first = self._seed.with_knots(self.knots), self.formulation
-        last = replace(first, padding=formulate(self.problem, lines).padding)
+        last = replace(first, padding=padding(first, self.knots))
         self.formulation = last
         return Optimisation(
             world_lines=lines,

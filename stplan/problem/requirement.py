@@ -48,7 +48,9 @@ def requirement(problem: PlanningProblem, margin: float) -> Requirement:
             points = np.array(ends)
             gap = wall_distance(problem.boundary, points, points, reach)
             walls[agent] = min(margin - 1.0, max(0.5 * (gap / problem.radii[agent] - 1.0), 0.0))
-    return Requirement(problem.distance * (1.0 + excess), problem.radii * (1.0 + walls))
+    excess += 1.0
+    excess *= problem.distance
+    return Requirement(excess, problem.radii * (1.0 + walls))
 
 
 def held_requirement(

@@ -264,17 +264,17 @@ def _portfolio(problem: PlanningProblem) -> Portfolio:
     if reasons:
         raise SeedingError(reasons)
     problem = _surroundings(problem)
+    method, levels = problem.scene.seeding.method, Levels(problem)
+    many_radii = len(np.unique(problem.radii)) > FEW_RADII
+    if method == AUTO and (many_radii or straight_ways_are_clear(problem)):
+        relaxation = Relaxation(problem, OPEN_SWEEPS, levels)
+        mended = MendedRelaxation(relaxation, Mending(levels))
+        return Portfolio(
+            problem, rendezvous, relaxation.required, (mended, JointSearch(levels), Search(levels))
+        )
     required = requirement(problem, problem.scene.seeding.margin)
-    method = problem.scene.seeding.method
     if method != AUTO:
         return Portfolio(problem, rendezvous, required, (SEEDERS[method](problem),))
-    levels = Levels(problem)
-    many_radii = len(np.unique(problem.radii)) > FEW_RADII
-    if many_radii or straight_ways_are_clear(problem):
-        relaxation = MendedRelaxation(Relaxation(problem, OPEN_SWEEPS, levels), Mending(levels))
-        return Portfolio(
-            problem, rendezvous, required, (relaxation, JointSearch(levels), Search(levels))
-        )
     seeders, rivals = _tight_seeders(levels)
     return Portfolio(problem, rendezvous, required, seeders, rivals, levels)
 

@@ -15,7 +15,7 @@ contact is sum_k curvature_k g_k g_k^T; the smooth minimum adds `coupling` grad 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -59,6 +59,24 @@ class Potential(Protocol):
         ...
 
 
+class ByKey(Protocol):
+    """Values by key: an array, or what stands for one that all pairs of many agents would make too large."""
+
+    def __getitem__(self, keys: IntArray) -> FloatArray:
+        """Of these keys."""
+        ...
+
+
+@dataclass(frozen=True)
+class _Barriers:
+    """Of every contact of a list (C,); `unbounded` as in `Coefficients`."""
+
+    radius: FloatArray
+    weight: FloatArray
+    reach: FloatArray
+    unbounded: float
+
+
 @dataclass(frozen=True)
 class ContactBarriers:
     """A barrier for every contact; all attributes by key of its group.
@@ -71,13 +89,29 @@ class ContactBarriers:
             where all are 1.
     """
 
-    radius: FloatArray
-    weight: FloatArray
-    reach: FloatArray
+    radius: ByKey
+    weight: ByKey
+    reach: ByKey
     shares: FloatArray | None = None
+    _latest: list[tuple[ContactList, _Barriers]] = field(
+        default_factory=list, init=False, repr=False, compare=False
+    )
 
     def coefficients(self, distance: FloatArray, contacts: ContactList) -> Coefficients:
         """The sum over contacts."""
+        if not self._latest or self._latest[0][0] is not contacts:
+            self._latest[:] = [(contacts, self._barriers(contacts))]
+        barriers = self._latest[0][1]
+        slope = np.zeros(len(distance))
+        curvature = np.zeros(len(distance))
+        value, least = _contact_barriers(
+            distance, barriers.radius, barriers.weight, barriers.reach, slope, curvature
+        )
+        return Coefficients(
+            value, least, slope, curvature, curvature, np.zeros(0), barriers.unbounded
+        )
+
+    def _barriers(self, contacts: ContactList) -> _Barriers:
         keys, members = contacts.keys, contacts.members
         weight = self.weight[keys][members]
         if self.shares is not None:
@@ -85,13 +119,8 @@ class ContactBarriers:
                 weight * self.shares[contacts.points[:, 1]] * self.shares[contacts.points[:, 3]]
             )
         reach = self.reach[keys][members]
-        slope = np.zeros(len(distance))
-        curvature = np.zeros(len(distance))
-        value, least = _contact_barriers(
-            distance, self.radius[keys][members], weight, reach, slope, curvature
-        )
         unbounded = float(weight[np.isinf(reach)].sum())
-        return Coefficients(value, least, slope, curvature, curvature, np.zeros(0), unbounded)
+        return _Barriers(self.radius[keys][members], weight, reach, unbounded)
 
 
 @dataclass(frozen=True)
@@ -105,9 +134,9 @@ class SmoothMinimumBarriers:
             semidefinite stand-in.
     """
 
-    radius: FloatArray
-    weight: FloatArray
-    reach: FloatArray
+    radius: ByKey
+    weight: ByKey
+    reach: ByKey
     sharpness: FloatArray
     cutoff: float = 0.0
 

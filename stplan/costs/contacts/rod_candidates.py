@@ -115,7 +115,7 @@ class RodCandidates:
 
     @cached_property
     def _finite(self) -> bool:
-        return bool(np.isfinite(self.reach[self.collides]).all())
+        return bool((np.isfinite(self.reach) | ~self.collides).all())
 
     @cached_property
     def _segment_of_point(self) -> IntArray:

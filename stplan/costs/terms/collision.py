@@ -8,11 +8,13 @@ both curves' `segment_shares`, so that more knots make no stronger barrier; what
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from stplan.arrays import BoolArray, FloatArray
+from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.costs.contacts.blocks import DenseCoupling, near_blocks
 from stplan.costs.contacts.contact_set import Candidates, ContactSet
 from stplan.costs.contacts.contact_term import ContactModel, ContactTerm
@@ -43,6 +45,7 @@ ENDLESS_SKIN = 0.1
 # factorisation. From so many knots on it reaches this part of the skin: rooms of 200 (7752 knots) take 0.28 s
 # an iteration instead of 0.39 s.
 MANY_KNOTS, NARROW = 5000, 0.2
+Felt = Callable[[IntArray, IntArray], FloatArray]
 
 
 @register(rank=50)
@@ -55,6 +58,8 @@ class Collision(ContactTerm):
         interactions: who collides, at which distance, how strongly.
         mu: barrier weight.
         reach: (A, A) clearance in m at which repulsion starts, inf for the unbounded logarithm.
+        padding: relative enlargement of all distances.
+        felt: what pairs a, b (P,) feel of mu (P,), all of it by default.
         smooth: the smooth minimum, None for the model of contacts.
         sharpness: (A * A,) kept from an earlier program by a A + b, nan where not chosen yet.
         broad_phase: finds near pairs of segments.
@@ -71,34 +76,42 @@ class Collision(ContactTerm):
         mu: float,
         reach: FloatArray,
         *,
+        padding: float = 0.0,
+        felt: Felt | None = None,
         smooth: SmoothMinimum | None = None,
         sharpness: FloatArray | None = None,
         broad_phase: BroadPhase = near_segments,
     ) -> None:
-        collides, distance = interactions.collides, interactions.distance
-        self._rods, self._interactions = rods, interactions
+        collides = interactions.collides
+        self._rods, self._interactions, self._padding = rods, interactions, padding
         self._sharpness: FloatArray | None = None
-        candidates: Candidates = RodCandidates(rods, collides, distance + reach, broad_phase)
-        radius, weight = distance.ravel(), (mu * interactions.collision_weight).ravel()
-        felt = reach[collides & np.isfinite(reach)]
-        widest = float(distance[collides].max(initial=1.0))
-        skin = 0.5 * (float(felt.max()) if len(felt) else widest)
+        # Of thousands of agents each square of all pairs takes more memory than all that is near.
+        furthest = interactions.distance * (1 + padding)
+        furthest += reach
+        candidates: Candidates = RodCandidates(rods, collides, furthest, broad_phase)
+        skin = 0.5 * float(reach.max(where=collides & np.isfinite(reach), initial=-np.inf))
+        if not np.isfinite(skin):
+            widest = (1 + padding) * interactions.distance.max(where=collides, initial=0.0)
+            skin = 0.5 * max(1.0, float(widest))
+        radius = _Radii(interactions.distance, 1 + padding)
+        weight = _Weights(interactions.collision_weight, mu, felt)
         potential: Potential = ContactBarriers(
             radius, weight, reach.ravel(), rod_shares(rods, len(knots))
         )
         curved = candidates
         if smooth is not None:
+            every = radius[np.arange(reach.size)]
             kept = np.full(reach.size, np.nan) if sharpness is None else sharpness
-            weighing = _Weighing(rods, collides, distance + reach, broad_phase)
+            weighing = _Weighing(rods, collides, furthest, broad_phase)
             candidates = weighing.candidates(np.where(np.isnan(kept), smooth.alpha_0, kept))
             near = candidates.find(knots, LIST_SKIN * skin)
             gaps = measure(candidates.positions(knots), near.points).distance
-            self._sharpness = smooth.sharpened(kept, near, gaps, radius)
+            self._sharpness = smooth.sharpened(kept, near, gaps, every)
             alpha = np.where(np.isnan(self._sharpness), smooth.alpha_0, self._sharpness)
             candidates = weighing.candidates(alpha)
             curved = weighing.candidates(alpha, smooth.curved)
             potential = SmoothMinimumBarriers(
-                radius, weight, reach.ravel(), alpha, cutoff=smooth.cutoff
+                every, weight, reach.ravel(), alpha, cutoff=smooth.cutoff
             )
         endless = smooth is not None and not np.isfinite(reach[collides]).all()
         room = ENDLESS_SKIN * skin if endless else skin
@@ -109,7 +122,9 @@ class Collision(ContactTerm):
         super().__init__(
             ContactSet.fresh(candidates, knots, LIST_SKIN * room),
             ContactModel(
-                potential, lambda: near_blocks(curved.find(knots, part * room), len(knots)), coupling
+                potential,
+                lambda: near_blocks(curved.find(knots, part * room), len(knots)),
+                coupling,
             ),
         )
 
@@ -120,13 +135,10 @@ class Collision(ContactTerm):
         interactions = formulation.interactions
         if not interactions.collides.any():
             return None
-        padded = replace(
-            interactions,
-            distance=interactions.distance * (1 + formulation.padding),
-            collision_weight=interactions.collision_weight * formulation.scales.pair_barrier,
-        )
+        scales = formulation.scales
         return cls(
-            setup.knots, formulation.rods, padded, setup.mu, formulation.scales.pair_reach,
+            setup.knots, formulation.rods, interactions, setup.mu, scales.pair_reach,
+            padding=formulation.padding, felt=scales.pair_barrier,
             smooth=formulation.smooth_minimum, sharpness=setup.sharpness.get(cls.name),
         )  # fmt: skip
 
@@ -137,8 +149,37 @@ class Collision(ContactTerm):
 
     def allows_step(self, start: FloatArray, end: FloatArray) -> bool:
         """Whether no two rods pass through each other between the two."""
-        pairs = self._interactions
-        return rods_stay_apart(self._rods, start, end, pairs.collides, pairs.distance)
+        return rods_stay_apart(self._rods, start, end, self._interactions.collides, self._kept)
+
+    @cached_property
+    def _kept(self) -> FloatArray:
+        """(A, A) m."""
+        return self._interactions.distance * (1 + self._padding)
+
+
+@dataclass(frozen=True)
+class _Radii:
+    """The distances that pairs keep, m, by key a A + b: `distance` (A, A) times a factor."""
+
+    distance: FloatArray
+    factor: float
+
+    def __getitem__(self, keys: IntArray) -> FloatArray:
+        return self.distance[np.divmod(keys, len(self.distance))] * self.factor
+
+
+@dataclass(frozen=True)
+class _Weights:
+    """Factors of pairs' barriers by key a A + b: K^C (A, A), times what they feel of mu."""
+
+    weight: FloatArray
+    mu: float
+    felt: Felt | None
+
+    def __getitem__(self, keys: IntArray) -> FloatArray:
+        pairs = np.divmod(keys, len(self.weight))
+        weight = self.weight[pairs]
+        return self.mu * (weight if self.felt is None else weight * self.felt(*pairs))
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,7 @@ class MeetingLimit(MotionLimit):
             return None
         layout = formulation.layout
         first, second = layout.agent_of_knot[timed.links].T
-        weights = formulation.scales.pair_barrier[first, second]
+        weights = formulation.scales.pair_barrier(first, second)
         return cls(timed.links, timed.within, limit_profile(setup), layout.num_knots, weights)
 
     def vectors(self, local: FloatArray) -> Vectors:

@@ -67,8 +67,6 @@ KNOCK = 1.5
 # After this part of the sweeps, so many touching pairs an agent mean that there is no room to part them: far
 # fewer are left wherever all get clear.
 JAMMED_AFTER, JAMMED_PAIRS = 0.25, 4.0
-# The least part of a contact that a heavy agent answers for.
-LEAST_SHARE = 0.1
 # Neighbours are listed within a skin of so many radii, more of them where lists last for less than
 # SOON sweeps, fewer where they last for more than LATE.
 SKINS = (0.7, 2.0)
@@ -152,8 +150,6 @@ class _Relaxation:
         self.widest = widest_reach(problem.collides, self.rod_target)
         heeds = problem.heeds_walls & (problem.boundary is not None)
         self.wall_target = np.where(heeds, AIM * required.walls, 0.0)
-        total = problem.masses[:, None] + problem.masses[None, :]
-        self.share = np.clip(2.0 * problem.masses[None, :] / total, LEAST_SHARE, 1.0)
         self.body = float(np.median(problem.radii))
         self.skin = self.body
         self.age = np.zeros(problem.num_agents)
@@ -295,7 +291,9 @@ class _Relaxation:
         near = near_rows(
             bodies, problem.collides, self.rod_target, cell, skin=self.skin, widest=self.widest
         )
-        self.contacts = Contacts(*near, self.rod_target, self.share, bands.positions.copy())
+        self.contacts = Contacts(
+            *near, self.rod_target, self.problem.masses, bands.positions.copy()
+        )
         self.wall_contacts = None
         if problem.boundary is not None:
             moving = np.arange(len(bands.segments)) < bands.num_moving

@@ -40,6 +40,8 @@ LONGEST_STEP = 0.5
 # A step may shrink a duration to this part of the mean one; further only if it was already so.
 LEAST_DURATION = 0.2
 TOUCHING = 1e-9
+# What an agent answers for of a spring at least, however heavy.
+LEAST_SHARE = 0.1
 
 
 class Contacts(NamedTuple):
@@ -48,15 +50,15 @@ class Contacts(NamedTuple):
     Attributes:
         rows, members: segments near every segment (see `Neighbours`).
         target: (A, A) distance that springs aim at, m.
-        share: (A, A) how much of a spring the first agent answers for; all of it where the other
-            segment does not move.
+        masses: (A,) the heavier answer for less of a spring; where the other segment does not move
+            everybody answers for all of it.
         reference: (P, 3) positions where the neighbours were listed, m.
     """
 
     rows: IntArray
     members: IntArray
     target: FloatArray
-    share: FloatArray
+    masses: FloatArray
     reference: FloatArray
 
 
@@ -175,7 +177,8 @@ def _press_contacts(
                 _normal_of_crossing(p, q, far_p, far_q, head < j, normal)
             push = CONTACT_STIFFNESS * (target - gap)
             if j < bands.num_moving:
-                push *= contacts.share[agent, other]
+                own_mass, others_mass = contacts.masses[agent], contacts.masses[other]
+                push *= min(max(2.0 * others_mass / (own_mass + others_mass), LEAST_SHARE), 1.0)
             for x in range(3):
                 force[i, x] += push * (1.0 - s) * normal[x]
                 force[i + 1, x] += push * s * normal[x]

@@ -31,7 +31,8 @@ NARROW_MARGIN = 1e-4
 LAST_MARGINS = (1e-5, 1e-6, 1e-7)
 # Pieces of a quarter of a circle: at least, and at most for so many corners of an eroded map in all.
 FEWEST_PIECES = 16
-MOST_CORNERS = 60_000
+MOST_CORNERS = 12_000
+OUTER_PIECES = 4
 # Ways of one class differ in length by the room times what they turn, here a bit more, and by this share.
 TURNING_SHARE = 1.5
 SAME_LENGTH = 2e-4
@@ -95,12 +96,18 @@ class WayFinder:
     def __init__(self, space: FreeSpace) -> None:
         self._space = space
         self._areas: dict[tuple[float, float], _Area] = {}
+        self._outer: dict[float, _Area] = {}
 
     def way(self, stops: FloatArray, radius: float) -> Way | None:
         """The shortest way over `stops` (n, 2) for a disc of `radius`, m; None where there is none."""
         straight = self._checked(tuple(np.stack(pair) for pair in pairwise(stops)), radius)
         if straight is not None and straight.clearance > (1.0 + WIDE_MARGINS[0]) * radius:
             return straight
+        least = self._least(stops, radius)
+        if least is not None:
+            wide = self._at(stops, radius, WIDE_MARGINS[0])
+            if wide is not None and not _detours(wide, least, WIDE_MARGINS[0] * radius):
+                return wide
         narrow = self._at(stops, radius, NARROW_MARGIN)
         if narrow is None:
             ways = (self._at(stops, radius, margin) for margin in LAST_MARGINS)
@@ -118,6 +125,17 @@ class WayFinder:
             self._areas[radius, margin] = _Area(self._space, radius, margin)
         legs = self._areas[radius, margin].legs(stops)
         return None if legs is None else self._checked(legs, radius)
+
+    def _least(self, stops: FloatArray, radius: float) -> Way | None:
+        """A way that no clear one is shorter than, though it may cut corners; None where none is known.
+
+        It costs little in a map of many corners, where it saves looking for the narrow way.
+        """
+        if radius not in self._outer:
+            self._outer[radius] = _Area(self._space, radius, 0.0, OUTER_PIECES)
+        area = self._outer[radius]
+        legs = area.legs(stops) if area.holds(stops) else None
+        return None if legs is None else Way(legs, 0.0)
 
     def _checked(self, legs: tuple[FloatArray, ...], radius: float) -> Way | None:
         """The way of these legs if it is clear."""
@@ -137,7 +155,15 @@ def _detours(wide: Way, narrow: Way, room: float) -> bool:
 class _Area:
     """The free space less a radius and a margin of it, as a mesh."""
 
-    def __init__(self, space: FreeSpace, radius: float, margin: float) -> None:
+    def __init__(
+        self, space: FreeSpace, radius: float, margin: float, pieces: int | None = None
+    ) -> None:
+        self._longest_tie = LONGEST_TIE * radius
+        if pieces is not None:
+            # With the ends of the arcs' chords on the arcs it is wider than the space it stands for.
+            self._polygon = eroded(space.polygon, radius * (1.0 + margin), quad_segs=pieces)
+            shapely.prepare(self._polygon)
+            return
         # Ends of the arcs' chords lie so much further off that their middles keep the margin.
         pieces = max(FEWEST_PIECES, math.ceil(math.pi / 4.0 / math.sqrt(margin)))
         while True:
@@ -147,7 +173,6 @@ class _Area:
             if pieces <= 1 or shapely.get_num_coordinates(self._polygon) <= MOST_CORNERS:
                 break
             pieces //= 2
-        self._longest_tie = LONGEST_TIE * radius
         shapely.prepare(self._polygon)
 
     @cached_property
@@ -158,6 +183,10 @@ class _Area:
     @cached_property
     def _tree(self) -> shapely.STRtree:
         return shapely.STRtree(shapely.polygons(self._mesh.corners[self._mesh.triangles]))
+
+    def holds(self, stops: FloatArray) -> bool:
+        """Whether all of `stops` (n, 2) lie inside."""
+        return bool(shapely.intersects_xy(self._polygon, stops[:, 0], stops[:, 1]).all())
 
     def legs(self, stops: FloatArray) -> tuple[FloatArray, ...] | None:
         """Shortest polylines between consecutive stops, None where there is none."""

@@ -111,7 +111,8 @@ def build_field(
         if problem.paths[agent] is None:
             pinned[agent, waypoint_knots(problem.waypoints[agent], curve)] = True
     top = problem.time_scale * problem.final_time
-    wanted = np.where(problem.collides, required.rods * STRICT, -1.0)
+    wanted = required.rods * STRICT
+    wanted[~problem.collides] = -1.0
     widest = wanted.max(axis=1)
     everything = np.vstack([knots[a, :n] for a, n in enumerate(counts)])
     low, high = everything.min(axis=0), everything.max(axis=0)
