@@ -37,7 +37,7 @@ RNG_SEED = 7
 
 
 @dataclass(frozen=True)
-class Trial:
+class MetricTrial:
     """A scene planned in one metric.
 
     Attributes:
@@ -108,7 +108,7 @@ def measure(
     *,
     time_scales: Sequence[float | str] = TIME_SCALES,
     progress: Callable[[str], None],
-) -> list[Trial]:
+) -> list[MetricTrial]:
     """Every scene planned in every metric; `scenes` by name."""
     warm_up()
     found = []
@@ -123,9 +123,11 @@ def measure(
     return found
 
 
-def _tried(name: str, scene: Scene, time_scale: float | str) -> Trial:
+def _tried(name: str, scene: Scene, time_scale: float | str) -> MetricTrial:
     one = priced(in_metric(scene, time_scale), costs=scene)
-    return Trial(name, len(scene.agents), time_scale, one.cost, one.figures.iterations, one.seconds)
+    return MetricTrial(
+        name, len(scene.agents), time_scale, one.cost, one.figures.iterations, one.seconds
+    )
 
 
 def in_metric(scene: Scene, time_scale: float | str) -> Scene:

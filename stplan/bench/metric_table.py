@@ -8,7 +8,7 @@ import numpy as np
 
 from stplan.bench.csv_table import csv_table
 from stplan.bench.markdown import number, table
-from stplan.bench.metric import Trial
+from stplan.bench.metric import MetricTrial
 from stplan.bench.result_files import result_files
 
 _TOTALS = (
@@ -22,12 +22,12 @@ _TOTALS = (
 )
 
 
-def files(trials: Sequence[Trial]) -> dict[str, bytes]:
+def files(trials: Sequence[MetricTrial]) -> dict[str, bytes]:
     """Names and contents of the files of the measurement."""
     return result_files("metric", csv_text(trials), markdown_text(trials))
 
 
-def csv_text(trials: Sequence[Trial]) -> str:
+def csv_text(trials: Sequence[MetricTrial]) -> str:
     """One row a scene and metric."""
     return csv_table(
         [
@@ -45,7 +45,7 @@ def csv_text(trials: Sequence[Trial]) -> str:
     )
 
 
-def markdown_text(trials: Sequence[Trial]) -> str:
+def markdown_text(trials: Sequence[MetricTrial]) -> str:
     """Sums over all scenes for every metric, then cost (seconds) of every scene."""
     scenes = list(dict.fromkeys(one.scene for one in trials))
     scales = list(dict.fromkeys(one.time_scale for one in trials))
@@ -70,7 +70,7 @@ def _least(costs: Sequence[float]) -> float:
     return min(known, default=np.nan)
 
 
-def _total(scale: str, trials: Sequence[Trial], least: dict[str, float]) -> tuple[str, ...]:
+def _total(scale: str, trials: Sequence[MetricTrial], least: dict[str, float]) -> tuple[str, ...]:
     over = [100.0 * (one.cost / least[one.scene] - 1.0) for one in trials if one.found]
     return (
         scale,
@@ -81,5 +81,5 @@ def _total(scale: str, trials: Sequence[Trial], least: dict[str, float]) -> tupl
     )
 
 
-def _cell(one: Trial) -> str:
+def _cell(one: MetricTrial) -> str:
     return f"{one.cost:.5g} ({one.seconds:.1f})" if one.found else f"none ({one.seconds:.1f})"

@@ -10,17 +10,17 @@ import pytest
 
 from stplan import load_scene
 from stplan.bench import metric
-from stplan.bench.metric import Trial, chosen, in_metric
+from stplan.bench.metric import MetricTrial, chosen, in_metric
 from stplan.bench.metric_table import csv_text, markdown_text
 from stplan.cli.app import main
 from stplan.errors import UsageError
 
 ROOT = Path(__file__).parents[2]
 TRIALS = [
-    Trial("door", 6, 1.0, 2.0, 40, 1.5),
-    Trial("door", 6, "auto", 1.6, 50, 2.5),
-    Trial("lane", 2, 1.0, np.nan, 0, 0.5),
-    Trial("lane", 2, "auto", 1.0, 30, 0.25),
+    MetricTrial("door", 6, 1.0, 2.0, 40, 1.5),
+    MetricTrial("door", 6, "auto", 1.6, 50, 2.5),
+    MetricTrial("lane", 2, 1.0, np.nan, 0, 0.5),
+    MetricTrial("lane", 2, "auto", 1.0, 30, 0.25),
 ]
 
 
