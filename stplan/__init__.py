@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from stplan.nlp.derivatives import check_derivatives
     from stplan.planner import Plan, improve, seed, write_plan
     from stplan.problem.world_lines import WorldLines
-    from stplan.replanning.execution import check, plan
+    from stplan.replanning.execution import check, plan, replan
     from stplan.scene import load_scene, parse_scene
     from stplan.scene.model import Agent, Scene
 
@@ -54,6 +54,7 @@ __all__ = [
     "parse_scene",
     "plan",
     "plot",
+    "replan",
     "sample",
     "scene_text",
     "seed",
@@ -81,6 +82,7 @@ _HOMES = {
     "parse_scene": "stplan.scene",
     "plan": "stplan.replanning.execution",
     "plot": "stplan.api.pictures",
+    "replan": "stplan.replanning.execution",
     "sample": "stplan.api.results",
     "scene_text": "stplan.api.building",
     "seed": "stplan.planner",

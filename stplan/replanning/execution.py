@@ -9,6 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from stplan import planner
 from stplan.analysis.metrics import metrics
 from stplan.arrays import FloatArray
@@ -16,7 +18,7 @@ from stplan.callbacks import Progress, Stop, never, unheard
 from stplan.certify.certificate import Certificate
 from stplan.certify.history import certify_history
 from stplan.clock import Clock
-from stplan.errors import BrokenSeedError, StoppedError
+from stplan.errors import BrokenSeedError, StoppedError, UsageError
 from stplan.planned import Plan
 from stplan.problem.continuation import curves_of, joined_history
 from stplan.problem.world_lines import WorldLines
@@ -71,6 +73,48 @@ def plan(
 def seed(scene: Scene, *, progress: Progress | None = None, stop: Stop | None = None) -> Plan:
     """Only the initial curves of `scene`, certified. Raises like `plan`."""
     return with_eased_starts(scene, lambda one: planner.seed(one, progress=progress, stop=stop))
+
+
+def replan(
+    before: Plan, scene: Scene, *, progress: Progress | None = None, stop: Stop | None = None
+) -> Plan:
+    """Go on with a plan to which something happens: its past to the byte, another future, one certificate.
+
+    Args:
+        scene: that of the plan with further `events`.
+
+    Raises:
+        UsageError: there are no further events, `before` is no certified plan of the rest of `scene`, or
+            goals move.
+        SeedingError: there is no way to go on after one of them.
+        StoppedError: `stop` said so before the last of them was planned.
+
+    >>> import stplan
+    >>> agents = [stplan.AgentSpec("sam", (0, 0), (4, 0)), stplan.AgentSpec("ann", (4, 1), (0, 1))]
+    >>> plan = stplan.plan(stplan.build_scene(agents, horizon=8))
+    >>> late = [{"at": 3, "agent": "ann", "goal": [0, 2]}]
+    >>> mended = stplan.replan(plan, stplan.build_scene(agents, horizon=8, events=late))
+    >>> mended.certificate.holds, [agent.goal for agent in mended.scene.agents]
+    (True, [(4.0, 0.0), (0.0, 2.0)])
+    """
+    if is_play(scene):
+        raise UsageError(
+            "goals that move are decided anew all the time; there is nothing to replan"
+        )
+    known = len(before.scene.changes)
+    changes = scene.changes[known:]
+    if not changes:
+        raise UsageError(
+            "nothing happens that the plan does not know; give the scene further events"
+        )
+    if changes[0].at < max((change.at for change in scene.changes[:known]), default=-np.inf):
+        raise UsageError("an event lies before those that the plan knows")
+    certificate = check(
+        replace(scene, changes=scene.changes[:known]), before.trajectories or before.seed
+    )
+    if not certificate.holds:
+        raise UsageError(f"this is no plan of the scene before its events: {certificate.summary}")
+    return go_on(scene, before, changes, progress=progress, stop=stop)
 
 
 def go_on(

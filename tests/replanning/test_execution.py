@@ -14,7 +14,7 @@ from stplan.planned import Plan
 from stplan.planner import prepare
 from stplan.problem.continuation import curves_of
 from stplan.problem.world_lines import WorldLines
-from stplan.replanning.execution import check, plan
+from stplan.replanning.execution import check, plan, replan
 from stplan.scene import parse_scene
 
 ROOM = """
@@ -63,6 +63,35 @@ EVENTS = {
     "a farewell": "  - {at: 6, remove: bob}",
     "anything": "  - {at: 6, set: {agents.ann.goal: [9, 8], agents.bob.radius: 0.5}}",
 }
+
+
+@pytest.mark.parametrize("name", ["a goal", "a newcomer"])
+def test_a_plan_gone_on_with_is_that_of_the_scene_with_its_events(before, name) -> None:
+    scene = parse_scene(calm() + f"events:\n{EVENTS[name]}\n")
+    mended = replan(before, scene)
+    assert csv_bytes(mended.trajectories) == csv_bytes(planned(EVENTS[name]).trajectories)
+    # And once more, when something else happens.
+    more = "  - {at: 11, agent: eve, goal: [3, 8]}"
+    again = replan(mended, parse_scene(calm() + f"events:\n{EVENTS[name]}\n{more}\n"))
+    assert again.certificate.holds
+    assert curve(again, "eve")[-1, :2].tolist() == [3.0, 8.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (calm(), "nothing happens that the plan does not know"),
+        (calm(", start_time: 1") + f"events:\n{EVENTS['a goal']}\n", "no plan of the scene"),
+        (
+            "stplan: 1\nhorizon: 9\nagents:\n  - {id: a, start: [0, 0], goal: {pursue: b}, max_speed: 1}\n"
+            "  - {id: b, start: [5, 0], goal: {evade: a}, max_speed: 1}\nmap: {rectangle: [-9, -9, 9, 9]}\n",
+            "goals that move",
+        ),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_gone_on_with_is_refused(before, text, said) -> None:
+    with pytest.raises(UsageError, match=said):
+        replan(before, parse_scene(text))
 
 
 @pytest.mark.parametrize("name", EVENTS)
