@@ -24,8 +24,8 @@ from stplan.problem.planning_problem import PlanningProblem
 # Share by which bounds are made smaller, against rounding here and in what a certificate lets pass.
 ROUNDING = 1e-8
 # Gates are looked at that agents at an even pace keep busy for more than this share of the time, and only
-# so many.
-BUSY, MOST_TRIED = 0.25, 4
+# so many; of those that the same agents pass only the busiest one.
+BUSY, MOST_TRIED = 0.25, 3
 # What groups pay more than alone counts from this share on.
 NEGLIGIBLE = 1e-6
 
@@ -181,8 +181,10 @@ def _best_queues(problem: PlanningProblem, queues: list[_Queue]) -> list[Togethe
     tried = 0
     while queues and tried < MOST_TRIED:
         best, most = None, NEGLIGIBLE
-        queues.sort(key=lambda queue: -queue.load)
-        for queue in queues[: MOST_TRIED - tried]:
+        busiest: dict[bytes, _Queue] = {}
+        for queue in sorted(queues, key=lambda queue: -queue.load):
+            busiest.setdefault(queue.gate.agents.tobytes(), queue)
+        for queue in [*busiest.values()][: MOST_TRIED - tried]:
             if queue.load < BUSY:
                 break
             tried += 1
