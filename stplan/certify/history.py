@@ -193,7 +193,11 @@ def _peaks(
             reached = np.append(np.hypot(velocity[:, 0], velocity[:, 1]), 0.0)
             when = np.append(0.5 * (times[1:] + times[:-1]), times[-1])
         else:
-            removed = any(name in world.removed for world in worlds)
+            # Who is taken away under way does not brake; who had arrived before did.
+            near = SAME_TIME * (times[-1] - times[0])
+            removed = any(
+                name in world.removed and times[-1] >= world.begin - near for world in worlds
+            )
             before = np.array(known[0][1].start_velocity or (0.0, 0.0))
             after = velocity[-1] if removed else np.zeros(2)
             change = np.diff(np.vstack([before, velocity, after]), axis=0)

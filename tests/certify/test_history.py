@@ -161,6 +161,29 @@ def test_a_delay_stops_at_once_and_nothing_else_does() -> None:
     assert sentence.startswith("ann: acceleration ")
 
 
+def test_what_a_delay_cuts_short_was_planned_to_last_longer() -> None:
+    # Steps of half a metre a second, a second long but for the one that is cut off at 3.1 s.
+    speeds = [(0.25, 1), (0.75, 1), (0.75, 1), (0.25, 0.1), (0, 3), (0.25, 1), *[(0.75, 1)] * 7]
+    speeds += [(0.5, 1), (0.225, 1)]
+    times = np.cumsum([0.0, *(lasts for _, lasts in speeds)])
+    x = np.cumsum([0.0, *(speed * lasts for speed, lasts in speeds)])
+    x[-1] = 8.0
+    walk = [[place, 0, time] for place, time in zip(x.tolist(), times.tolist(), strict=True)]
+    own = "max_acceleration: {}"
+    stopped = changing(f"at: {float(times[4])!r}, agent: ann, delay: 3", ann=own.format(0.6))
+    assert check(stopped, ann=walk, sam=ASIDE).holds
+    strict = changing(f"at: {float(times[4])!r}, agent: ann, delay: 3", ann=own.format(0.45))
+    assert not check(strict, ann=walk, sam=ASIDE).holds
+
+
+def test_who_has_arrived_before_it_is_removed_comes_to_rest_there() -> None:
+    own = "max_acceleration: 1.4"
+    stands = [[0, 0, 0], [0.5, 0, 1], [1.5, 0, 2], [2.5, 0, 3]]
+    scene = changing("at: 2.5, agent: ann, goal: [2.5, 0]", "at: 6, remove: ann", ann=own)
+    (sentence,) = check(scene, ann=stands, sam=ASIDE).violations
+    assert sentence.startswith("ann: acceleration 2.66667 m/s2 at t = 3 s")
+
+
 def test_a_removed_agent_need_not_brake() -> None:
     own = "max_acceleration: 1.4"
     moving = [[0, 0, 0], [0.5, 0, 1], [1.5, 0, 2], [2.5, 0, 3]]

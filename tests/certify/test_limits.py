@@ -105,6 +105,13 @@ def test_an_acceleration_cannot_be_hidden_in_long_segments() -> None:
     assert check("max_acceleration: 0.48", curve).limits[0].reached == pytest.approx(0.46, abs=0.02)
 
 
+def test_only_of_long_segments_it_is_said_that_more_knots_would_tell() -> None:
+    jerky = even([0.25, 1.0, 1.0, 1.5, 2.0, 1.5, 0.5, 0.25], np.arange(9.0).tolist())
+    (sentence,) = check("max_acceleration: 0.9", jerky).violations
+    assert sentence == "a: acceleration 1 m/s2 at t = 6 s; at most 0.9 m/s2 is allowed"
+    assert not check("max_acceleration: 1.1", jerky).limits[0].coarse
+
+
 STAY = [[0, 0, 0], [4, 0, 3], [4, 0, 6], [8, 0, 10]]
 
 
@@ -174,6 +181,13 @@ def test_meetings_are_at_a_common_instant() -> None:
     (sentence,) = check("radius: 0.3", up, late, MEET.format("1.0")).violations
     assert sentence.startswith("a and b: come no nearer than ")
     assert "within 1 m" in sentence
+
+
+@pytest.mark.parametrize(("apart", "met"), [(1e-10, True), (1e-8, False)])
+def test_meetings_count_up_to_rounding(apart: float, met: bool) -> None:
+    up = [[0, 0, 0], [4, 4, 5], [8, 0, 10]]
+    down = [[0, 9, 0], [4, 5 + apart, 5], [8, 9, 10]]
+    assert check("radius: 0.3", up, down, MEET.format("1.0")).holds == met
 
 
 def test_meetings_between_knots_and_windows() -> None:

@@ -15,10 +15,12 @@ HOOK = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (3.0, 3.0), (3.0, 1.0), (0.0, 1.0))
 
 # Without an edge along an axis.
 KITE = ((2.5, -0.5), (4.5, 1.0), (1.5, 3.5), (2.0, 1.5))
+# A corner is said twice, as in rings that are closed.
+CLOSED = (*HOOK, HOOK[0])
 
 
 @pytest.mark.parametrize("area", [True, False])
-@pytest.mark.parametrize("ring", [HOOK, KITE])
+@pytest.mark.parametrize("ring", [HOOK, KITE, CLOSED])
 def test_distances_are_those_of_a_polygon_or_of_its_line(ring: tuple, area: bool) -> None:
     place = Place("exit", ring, area)
     shape = shapely.Polygon(ring) if area else shapely.LineString(ring)
