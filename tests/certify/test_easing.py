@@ -88,3 +88,20 @@ def test_on_a_bent_way_apart_the_moment_is_exact() -> None:
     across = [[0, 0, 0], [0, -4, 4], [-4, -4, 9]]
     clear = check(across).eased[0].clear
     assert clear == pytest.approx(np.sqrt(0.75), abs=1e-5)
+
+
+def test_every_pair_is_counted_once() -> None:
+    scene = parse_scene(
+        "stplan: 1\nhorizon: 9\noverlap: ease\ndefaults: {radius: 0.5}\nagents:\n"
+        "  - {id: a, start: [0, 0], goal: [-4, 0]}\n  - {id: b, start: [0.5, 0], goal: [0.5, 0]}\n"
+        "  - {id: c, start: [1, 0], goal: [5, 0]}\n  - {id: d, start: [0, 5], goal: [4, 5]}\n"
+    )
+    ends = {"a": [-4, 0], "b": [0.5, 0], "c": [5, 0], "d": [4, 5]}
+    curves = [
+        np.array([[*agent.start, 0], [*ends[agent.id], 9]], dtype=float) for agent in scene.agents
+    ]
+    found = certify(scene, None, WorldLines.from_curves(list(ends), curves))
+    assert found.holds
+    assert [one.who for one in found.eased] == [("a", "b"), ("a", "c"), ("b", "c")]
+    assert found.ignored_pairs == 0
+    assert len(found.pairs) == 6

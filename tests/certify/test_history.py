@@ -7,6 +7,7 @@ import pytest
 
 from stplan.certify.certificate import Certificate
 from stplan.certify.history import certify_history, rest_certificate
+from stplan.certify.motion import motion_peaks
 from stplan.problem.world_lines import WorldLines
 from stplan.problem.worlds import spaces_of
 from stplan.scene import parse_scene
@@ -142,6 +143,55 @@ def test_speed_is_held_to_the_limit_of_then() -> None:
     hasty = [[0, 0, 0], [4, 0, 3], [8, 0, 12]]
     (sentence,) = check(scene, ann=hasty, sam=ASIDE).violations
     assert sentence == "ann: speed 1.33333 m/s at t = 1.5 s; at most 1 m/s is allowed"
+
+
+@pytest.mark.parametrize("late", [0.0, 64.0])
+def test_motion_is_judged_as_where_nothing_happens(late: float) -> None:
+    rng = np.random.default_rng(6)
+    scene = parse_scene(
+        f"stplan: 1\nhorizon: {20 + late}\nagents:\n  - {{id: ann, start: [0, 0], goal: [8, 0], "
+        f"start_time: {late}, max_speed: 9, max_acceleration: 90}}\n"
+        f"  - {{id: sam, start: [0, 60], goal: [8, 60], start_time: {late}}}\n"
+        f"events: [{{at: {late + 4.5}, agent: sam, goal: [8, 60]}}]\n"
+    )
+    other = np.array([[0, 60, late], [8, 60, late + 8.0]])
+    for count in (2, 3, 5, 9, 17):
+        times = late + np.round(np.cumsum(rng.uniform(0.5, 1.0, count)), 3)
+        x = np.concatenate([[0.0], rng.normal(size=count - 2) * 2.0, [8.0]])
+        curve = np.column_stack([x, np.zeros(count), times])
+        curve[:, 2] += late - times[0]
+        found = check(scene, ann=curve.tolist(), sam=other.tolist()).limits
+        expected = motion_peaks(scene.agents[0], curve)
+        for one, two in zip(found, expected, strict=True):
+            assert (one.limit, one.allowed) == (two.limit, two.allowed)
+            assert one.reached == pytest.approx(two.reached)
+            assert one.time == pytest.approx(two.time)
+
+
+def test_a_limit_may_come_on_the_way() -> None:
+    scene = changing("at: 4, agent: ann, max_speed: 0.5")
+    slower = [[0, 0, 0], [4, 0, 4], [8, 0, 12]]
+    (peak,) = check(scene, ann=slower, sam=ASIDE).limits
+    assert (peak.agent, peak.limit, peak.allowed, peak.reached) == ("ann", "speed", 0.5, 0.5)
+    (sentence,) = check(scene, ann=AHEAD, sam=ASIDE).violations
+    assert sentence == "ann: speed 1 m/s at t = 4 s; at most 0.5 m/s is allowed"
+
+
+def test_rounding_is_that_of_the_widest_world() -> None:
+    near = changing("at: 3, agent: ann, goal: [8, 3]")
+    turned = [[0, 0, 0], [3, 0, 3], [8, 3, 9]]
+    small = check(near, ann=turned, sam=ASIDE).rounding
+    wide = changing("at: 3, add: {id: eve, start: [900, 0], goal: [990, 0]}", "at: 6, remove: eve")
+    eve = [[900, 0, 3], [990, 0, 6]]
+    assert check(wide, ann=AHEAD, sam=ASIDE, eve=eve).rounding > 20.0 * small
+
+
+def test_a_delay_cuts_the_very_first_segment_short() -> None:
+    walk = [[0, 0, 0], [0.05, 0, 0.1], [0.05, 0, 3.1]]
+    walk += [[0.05 + 0.5 * k, 0, 3.1 + k] for k in range(1, 16)]
+    walk += [[8, 0, 20]]
+    scene = changing("at: 0.1, agent: ann, delay: 3", ann="max_acceleration: 11")
+    assert check(scene, ann=walk, sam=ASIDE).violations == ()
 
 
 def test_a_delay_stops_at_once_and_nothing_else_does() -> None:

@@ -61,12 +61,25 @@ def test_acceleration_from_rest_to_rest(curve, greatest, when) -> None:
     assert sentence.startswith("a: acceleration ")
 
 
-@pytest.mark.parametrize(("dwell", "kept"), [(3.4, True), (3.5, False)])
-def test_a_wide_agent_stays_while_it_is_within_its_tolerance(dwell: float, kept: bool) -> None:
-    # A millionth of its radius: 2 m. At 1 m/s, 1 m beside the point, it is within for 2 sqrt(3) s.
+@pytest.mark.parametrize(
+    ("x", "dwell", "kept"),
+    [
+        (4, 3.4, True),
+        (4, 3.5, False),
+        (8, 1.7, True),
+        (8, 1.8, False),
+        (0, 1.7, True),
+        (0, 1.8, False),
+    ],
+)
+def test_a_wide_agent_stays_while_it_is_within_its_tolerance(
+    x: int, dwell: float, kept: bool
+) -> None:
+    # A millionth of its radius: 2 m. At 1 m/s, 1 m beside the point, it is within for 2 sqrt(3) s, at
+    # an end of its way for half of it.
     scene = parse_scene(
         "stplan: 1\nhorizon: 20\nagents:\n  - {id: a, start: [0, 0], goal: [8, 0], radius: 2.0e+6, "
-        f"waypoints: [{{at: [4, 1], dwell: {dwell}}}]}}\n"
+        f"waypoints: [{{at: [{x}, 1], dwell: {dwell}}}]}}\n"
     )
     curve = np.array([[0, 0, 0], [8, 0, 8.0]])
     assert certify(scene, None, WorldLines.from_curves(["a"], [curve])).holds == kept
@@ -134,6 +147,12 @@ def test_visits(visit: str, kept: bool) -> None:
         assert "waypoint 1 (4.0, 0.0) in order" in found.violations[0]
 
 
+def test_what_a_visit_was_to_be_is_said_in_full() -> None:
+    assert check("waypoints: [{at: [4, 0], window: [2, 4], dwell: 1.1}]", STAY).violations == (
+        "a: does not pass waypoint 1 (4.0, 0.0) in order between 2 and 4 s, staying there for 1.1 s",
+    )
+
+
 def test_visits_follow_one_another() -> None:
     two = "waypoints: [{{at: [4, 0], dwell: {}}}, {{at: [4, 0], dwell: 2}}]"
     assert check(two.format(1.0), STAY).holds
@@ -179,8 +198,10 @@ def test_meetings_are_at_a_common_instant() -> None:
     # The same path at another time is no meeting.
     late = [[0, 9, 0], [4, 5, 8], [8, 9, 10]]
     (sentence,) = check("radius: 0.3", up, late, MEET.format("1.0")).violations
-    assert sentence.startswith("a and b: come no nearer than ")
-    assert "within 1 m" in sentence
+    assert sentence == (
+        "a and b: come no nearer than 2.91548 m, at t = 5 s, (3.25, 5.25); "
+        "they should meet within 1 m"
+    )
 
 
 @pytest.mark.parametrize(("apart", "met"), [(1e-10, True), (1e-8, False)])
@@ -200,6 +221,18 @@ def test_meetings_between_knots_and_windows() -> None:
     assert not check("radius: 0.3", up, down, off % ", window: [0, 3]").holds
     assert check("radius: 0.3", up, down, off % ", window: [0, 4]").holds
     assert check("radius: 0.3", up, down, off % ", window: [9, 20]").holds
+    assert not check("radius: 0.3", up, down, off % ", window: [6, 8]").holds
+    # However finely the same motion is written down.
+    fine = np.linspace(0.0, 10.0, 41)
+    denser = [
+        np.column_stack(
+            [*(np.interp(fine, *np.array(one).T[[2, axis]]) for axis in (0, 1)), fine]
+        ).tolist()
+        for one in (up, [[0, 9.3, 0], [8, 1.3, 8], [8, 9, 10]])
+    ]
+    (spot,) = check("radius: 0.3", denser[0], [[0, 9, 0], *denser[1][1:]], off % "").meetings
+    assert spot.time == pytest.approx(4.65)
+    assert spot.distance == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize(("within", "met"), [(3.0, True), (2.9, False)])

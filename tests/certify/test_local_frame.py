@@ -65,3 +65,13 @@ def test_the_bound_covers_what_the_arithmetic_may_be_off() -> None:
     # 94 units of rounding of the largest coordinate, and no more than twice that.
     frame = LocalFrame.around(np.array([[-1.0, 0.0], [1.0, 1.0]]))
     assert 94 * 2.0**-53 <= frame.rounding <= 188 * 2.0**-53
+
+
+def test_the_frame_is_that_of_all_points_together() -> None:
+    rng = np.random.default_rng(3)
+    parts = [rng.normal(size=(4, 2)) * size + size for size in (1.0, 300.0, 5e4)]
+    whole = LocalFrame.around(np.vstack(parts))
+    for order in ([0, 1, 2], [2, 0, 1]):
+        frame = LocalFrame.around(*(parts[k] for k in order), np.empty((0, 2)))
+        assert frame.origin.tolist() == whole.origin.tolist()
+        assert frame.rounding == whole.rounding
