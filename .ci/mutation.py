@@ -163,6 +163,7 @@ EQUIVALENT: dict[tuple[str, ...], str] = {
     (
         "history.py",
         "until = min(world.end, max(world.scene.final_time, begin + 1.0))",
+        "Add -> Sub",
     ): "how long whoever stands is looked at after all have arrived",
     ("pairs.py", "reach = FIRST_REACH * 2.0 * float(halves.max())"): "the same",
     ("pairs.py", "if (found.distance - needs <= reach).any() or reach > furthest:"): "the same",
@@ -180,6 +181,7 @@ EQUIVALENT: dict[tuple[str, ...], str] = {
     (
         "play.py",
         "times = times[(times >= max(curve[0, 2], other[0, 2])) & (times <= last)]",
+        "max -> min",
     ): "all are there from the same time on, and clipped after their ends",
     (
         "ends.py",
@@ -209,6 +211,7 @@ EQUIVALENT: dict[tuple[str, ...], str] = {
     (
         "motion.py",
         "for k in np.flatnonzero(np.where(moves, (across >= 0) & (first <= last), near)):",
+        "GtE -> Gt",
     ): "just touching the tolerance is rounding",
     (
         "local_frame.py",
