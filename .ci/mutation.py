@@ -242,7 +242,12 @@ def mutations(tree: ast.Module) -> Iterator[tuple[ast.AST, str]]:
     skipped = {
         id(inner)
         for node in ast.walk(tree)
-        for part in (getattr(node, "annotation", None), getattr(node, "returns", None))
+        for part in (
+            getattr(node, "annotation", None),
+            getattr(node, "returns", None),
+            # It asks for lengths that are equal anyhow.
+            node.value if isinstance(node, ast.keyword) and node.arg == "strict" else None,
+        )
         if part is not None
         for inner in ast.walk(part)
     }

@@ -85,6 +85,10 @@ def test_walls_and_pairs_that_are_off_are_counted() -> None:
         ([[1, 1, 0.5], [9, 1, 10]], "starts at"),
         ([[1, 1, 0], [9, 1.0000001, 10]], "ends at"),
         ([[1, 1, 0], [5, 1, 6], [6, 1, 6], [9, 1, 10]], "time does not increase at knot 2"),
+        (
+            [[1, 1, 0], [2, 1, 5], [5, 1, 4], [6, 1, 3], [9, 1, 10]],
+            "time does not increase at knot 2",
+        ),
         ([[1, 1, 0], [5, np.nan, 6], [9, 1, 10]], "two finite knots"),
         ([[1, 1, 0]], "two finite knots"),
     ],

@@ -283,6 +283,18 @@ def test_the_first_segment_has_the_velocity_at_the_start() -> None:
     )
 
 
+@pytest.mark.parametrize(("vy", "kept"), [(0.25, True), (0.2501, False)])
+def test_velocities_at_the_start_are_the_same_anywhere_and_at_any_time(
+    vy: float, kept: bool
+) -> None:
+    scene = parse_scene(
+        "stplan: 1\nhorizon: 60\nagents:\n  - {id: a, start: [30, -20], goal: [38, -20], "
+        f"start_time: 50, start_velocity: [0.5, {vy}]}}\n"
+    )
+    curve = np.array([[30, -20, 50], [31, -19.5, 52], [38, -20, 60.0]])
+    assert certify(scene, None, WorldLines.from_curves(["a"], [curve])).holds == kept
+
+
 def test_acceleration_from_motion() -> None:
     """The velocity before the start counts as that at rest does: 0.5 m/s more within half a second."""
     curve = even([1.0] * 8, np.arange(9.0).tolist())
