@@ -117,8 +117,9 @@ class Ground:
             ),
             shape=(count + 1, count + 1),
         )
-        found = dijkstra(graph, indices=[count])[0, :count]
-        return Distances(self, np.array(target), found, usable is not None)
+        found, before = dijkstra(graph, indices=[count], return_predecessors=True)
+        nexts = before[0, :count].astype(np.int64)
+        return Distances(self, np.array(target), found[0, :count], nexts, usable is not None)
 
     def close(self, target: FloatArray, points: FloatArray) -> BoolArray:
         """(n,) which points are as near to a target (2,) as spots that are joined."""
@@ -131,12 +132,14 @@ class Distances:
 
     Attributes:
         of_spots: (N,) m, inf where there is no way.
+        nexts: (N,) the spot after each on its way, no less than N where that is the target.
         over_spots: whether ways lead from spot to spot even where the target is seen from afar.
     """
 
     ground: Ground
     target: FloatArray
     of_spots: FloatArray
+    nexts: IntArray
     over_spots: bool = False
 
     def at(self, points: FloatArray) -> FloatArray:
@@ -147,6 +150,21 @@ class Distances:
         """(2,) where the way from a point leads first."""
         spot = int(self._ways(point[None])[1][0])
         return self.target if spot < 0 else self.ground.spots[spot]
+
+    def way_from(self, spot: int) -> FloatArray:
+        """(n, 2) the way from a spot to the target, with no more corners than walls ask for."""
+        knots = []
+        while 0 <= spot < len(self.nexts):
+            knots.append(self.ground.spots[spot])
+            spot = int(self.nexts[spot])
+        way = np.array([*knots, self.target])
+        pulled = [0]
+        while pulled[-1] < len(way) - 1:
+            rest = way[pulled[-1] + 1 :]
+            seen = self.ground.sees(np.broadcast_to(way[pulled[-1]], rest.shape), rest)
+            hidden = np.flatnonzero(~seen)
+            pulled.append(pulled[-1] + max(int(hidden[0]) if len(hidden) else len(rest), 1))
+        return np.asarray(way[pulled])
 
     def _ways(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
         """(n,) lengths, and the spots the ways begin at, negative where straight at the target."""

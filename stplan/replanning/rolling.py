@@ -11,6 +11,7 @@ that are in nobody's way, somebody can go on at any time.
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +32,8 @@ LONGEST_STEP = 0.125
 PATIENCE = 1.0
 # Of the shared tasks so many nearest ones are looked at, and so many with the shortest ways tried.
 NEAR, TRIED = 8, 3
+# Whoever's next task cannot be planned asks again after this share of what is left of its plan.
+RETRY = 0.2
 # Distances are kept with this much to spare, as a share of them.
 ROOM = 1e-6
 # Points that are this near to the straight line between their neighbours, m, need no knot.
@@ -89,6 +92,8 @@ class _Fleet:
                 self._tasks[index[task.agent]].append(task)
         self._shared = [task for task in scene.tasks if task.agent is None]
         self._leaving = np.zeros(count, dtype=bool)
+        # When a robot whose next task could not be planned asks for it again.
+        self._again = np.zeros(count, dtype=np.int64)
         self._now = 0
         self._rounds = 0
         self._said = 0
@@ -110,10 +115,14 @@ class _Fleet:
             # Whoever's plan ends first goes first: shared tasks are for whoever is free first.
             a = min(waiting, key=lambda one: (int(self._ends[one]), one))
             due = self._unfinished(a) and (self._ends[a] < until or self._leaving[a])
-            if due and self._planned_on(a):
+            if due and self._again[a] <= self._now and self._planned_on(a):
                 planned = True
             else:
                 waiting.remove(a)
+                if due and self._again[a] <= self._now:
+                    # The longer its plan lasts the less it matters when there is more of it.
+                    left = max(int(self._ends[a]) - self._now, 0) if not self._leaving[a] else 0
+                    self._again[a] = self._now + int(RETRY * left)
         if not planned and (self._ends <= self._now).all():
             return False
         self._now += self._every
@@ -186,13 +195,16 @@ class _Fleet:
         last = max(int(self._ends[others].max(initial=0)), begin)
         theirs = np.ascontiguousarray(self._places[others, begin : last + 1])
         apart = self._apart[a, others]
+        if (np.hypot(*(theirs[:, -1] - goal).T) <= apart).any():
+            return False  # Somebody stands there, for all that is planned.
         best: FloatArray | None = None
         enough = latest = np.iinfo(np.int64).max
-        for points in self._trips.ways(self._scene.agents[a], self._places[a, begin], goal):
-            if len(points) - 1 > latest:
-                break
+        standing = self._ends[others] <= begin
+        for points in self._ways(a, self._places[a, begin], goal, theirs, apart):
             if best is None:
                 enough = min(enough, len(points) - 1 + self._steps(PATIENCE))
+            if len(points) - 1 > latest or _touches(points, theirs[standing, 0], apart[standing]):
+                continue
             arrival, at = timed_way(points, theirs, apart, latest)
             if arrival >= 0:
                 best, latest = points[at], arrival - 1
@@ -207,6 +219,17 @@ class _Fleet:
         self._ends[a] = end + stay
         return True
 
+    def _ways(
+        self, a: int, start: FloatArray, goal: Point, theirs: FloatArray, apart: FloatArray
+    ) -> Iterator[FloatArray]:
+        """Ways of an agent: the shortest, that around those who will stand on it, and others."""
+        ways = self._trips.ways(self._scene.agents[a], start, goal)
+        direct = next(ways, None)
+        if direct is not None:
+            yield direct
+            yield from self._trips.around(self._scene.agents[a], direct, theirs[:, -1], apart)
+            yield from ways
+
     def _reserve(self, last: int) -> None:
         """Make room for steps up to `last`."""
         missing = last + 1 - self._places.shape[1]
@@ -220,6 +243,12 @@ class _Fleet:
             self._said = self._now
             left = sum(map(len, self._tasks)) + len(self._shared)
             progress(f"{self._begin + self._step * self._now:g} s: {left} tasks left to plan")
+
+
+def _touches(points: FloatArray, bodies: FloatArray, apart: FloatArray) -> bool:
+    """Whether one of some `bodies` (B, 2) that stand is within `apart` (B,) of one of some points (n, 2)."""
+    gaps = np.hypot(*np.moveaxis(points[:, None] - bodies[None], -1, 0))
+    return bool((gaps <= apart).any())
 
 
 def _few_knots(curve: FloatArray) -> FloatArray:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from stplan.arrays import FloatArray, Point
-from stplan.replanning.ground import Ground
+from stplan.replanning.ground import Distances, Ground
 from stplan.scene.model import Agent
 from stplan.seeding.search.shortest_ways import WayFinder
 from stplan.world import FreeSpace
@@ -17,6 +17,8 @@ SPARE = 1.0 - 1e-7
 # So many ways besides the shortest one, of at most so many times its length and so many radii more.
 DETOURS = 4
 LONGER, LONGER_RADII = 1.6, 24.0
+# Who stands in the way is passed at so many times the distance to be kept.
+PASSING = 1.03
 # Each leads by a spot that is so many radii off all before.
 ASIDE = 5.0
 
@@ -33,7 +35,7 @@ class Trips:
         self._finder = WayFinder(space)
         self._grounds: dict[float, Ground] = {}
         self._known: dict[tuple[float, float, Point, Point], list[FloatArray]] = {}
-        self._lengths: dict[tuple[float, Point], FloatArray] = {}
+        self._distances: dict[tuple[float, Point], Distances] = {}
 
     def ways(self, agent: Agent, start: FloatArray, goal: Point) -> Iterator[FloatArray]:
         """(n + 1, 2) points of ways, one for every step at the agent's speed: the shortest first.
@@ -52,6 +54,25 @@ class Trips:
             known += self._detours(agent.radius, speed, begin, goal, known[0])
             yield from known[1:]
 
+    def around(
+        self, agent: Agent, way: FloatArray, bodies: FloatArray, apart: FloatArray
+    ) -> Iterator[FloatArray]:
+        """A way (n + 1, 2) led around `bodies` (B, 2) that stand on it, on either side of all of them."""
+        kept = PASSING * apart
+        met = np.hypot(*np.moveaxis(way[:, None] - bodies[None], -1, 0)).min(axis=0) <= kept
+        met &= np.minimum(
+            np.hypot(*(bodies - way[0]).T), np.hypot(*(bodies - way[-1]).T)
+        ) > apart  # fmt: skip
+        if len(way) < 3 or not met.any():
+            return
+        for side in (1.0, -1.0):
+            led = way
+            for body, reach in zip(bodies[met], kept[met], strict=True):
+                led = _led_around(led, body, float(reach), side)
+            found = self._cut(agent.radius, agent.max_speed or 1.0, led)
+            if found is not None:
+                yield found
+
     def steps(self, agent: Agent, start: FloatArray, goal: Point) -> float:
         """How many steps the shortest way takes; inf where there is none."""
         return next((float(len(way) - 1) for way in self.ways(agent, start, goal)), np.inf)
@@ -61,17 +82,17 @@ class Trips:
         if (stops == stops[0]).all():
             return stops[:1]
         found = self._finder.way(stops, radius)
-        if found is None:
-            return None
+        return None if found is None else self._cut(radius, speed, found.points)
+
+    def _cut(self, radius: float, speed: float, way: FloatArray) -> FloatArray | None:
+        """A way (m, 2) cut into steps; None where it touches a wall."""
         pace = SPARE * speed * self._step
-        points = evenly(found.points, pace)
+        points = evenly(way, pace)
         ground = self._ground(radius)
         if not ground.sees(points[:-1], points[1:]).all():
             # Corners that are cut would touch a wall.
-            pieces = [
-                evenly(found.points[k : k + 2], pace)[1:] for k in range(len(found.points) - 1)
-            ]
-            points = np.vstack([found.points[:1], *pieces])
+            pieces = [evenly(way[k : k + 2], pace)[1:] for k in range(len(way) - 1)]
+            points = np.vstack([way[:1], *pieces])
         return points if ground.sees(points[:-1], points[1:]).all() else None
 
     def _detours(
@@ -79,7 +100,8 @@ class Trips:
     ) -> list[FloatArray]:
         """Ways by spots beside those known, the shortest first."""
         ground = self._ground(radius)
-        total = self._of_spots(radius, start) + self._of_spots(radius, goal)
+        back, on = self._to(radius, start), self._to(radius, goal)
+        total = back.of_spots + on.of_spots
         longest = LONGER * speed * self._step * (len(direct) - 1) + LONGER_RADII * radius
         offered = np.flatnonzero(total <= longest)
         offered = offered[np.argsort(total[offered], kind="stable")]
@@ -88,30 +110,48 @@ class Trips:
         way: FloatArray | None = direct
         while len(found) < DETOURS:
             if way is not None:
-                for point in way:
-                    away = np.minimum(away, np.hypot(*(ground.spots[offered] - point).T))
+                # Points of a way are nearer to each other than ways are apart.
+                some = way[:: max(int(ASIDE * radius / (2.0 * speed * self._step)), 1)]
+                gaps = ground.spots[offered, None] - some[None]
+                away = np.minimum(away, np.hypot(gaps[..., 0], gaps[..., 1]).min(axis=1))
             left = np.flatnonzero(away > ASIDE * radius)
             if not len(left):
                 break
-            via = ground.spots[offered[left[0]]]
+            via = int(offered[left[0]])
             away[left[0]] = 0.0
-            way = self._way(radius, speed, np.array([start, via, goal]))
+            whole = np.vstack([back.way_from(via)[::-1], on.way_from(via)[1:]])
+            way = self._cut(radius, speed, whole)
             if way is not None:
                 found.append(way)
         return sorted(found, key=len)
 
-    def _of_spots(self, radius: float, point: Point) -> FloatArray:
-        """(N,) lengths of ways from the spots of a ground to a point, m."""
+    def _to(self, radius: float, point: Point) -> Distances:
+        """Ways from the spots of a ground to a point."""
         key = (radius, point)
-        if key not in self._lengths:
-            ground = self._ground(radius)
-            self._lengths[key] = ground.distances_to(np.array(point)).of_spots
-        return self._lengths[key]
+        if key not in self._distances:
+            self._distances[key] = self._ground(radius).distances_to(np.array(point))
+        return self._distances[key]
 
     def _ground(self, radius: float) -> Ground:
         if radius not in self._grounds:
             self._grounds[radius] = Ground.of(self._space, radius)
         return self._grounds[radius]
+
+
+def _led_around(way: FloatArray, body: FloatArray, reach: float, side: float) -> FloatArray:
+    """A way (n, 2), its points beside a body moved out of reach (m) to one side of it."""
+    offsets = way - body
+    nearest = int((offsets**2).sum(axis=1).argmin())
+    ahead = way[min(nearest + 1, len(way) - 1)] - way[max(nearest - 1, 0)]
+    ahead = ahead / max(float(np.hypot(*ahead)), 1e-300)
+    aside = side * np.array([-ahead[1], ahead[0]])
+    along = offsets @ ahead
+    beside = (np.abs(along) < reach) & ((offsets**2).sum(axis=1) < (2.0 * reach) ** 2)
+    beside &= offsets @ aside < np.sqrt(np.maximum(reach**2 - along**2, 0.0))
+    beside[[0, -1]] = False
+    out = np.sqrt(np.maximum(reach**2 - along**2, 0.0))
+    moved = body + along[:, None] * ahead + out[:, None] * aside
+    return np.where(beside[:, None], moved, way)
 
 
 def evenly(way: FloatArray, longest: float) -> FloatArray:
