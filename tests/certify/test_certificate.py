@@ -46,7 +46,11 @@ def test_too_near_a_wall() -> None:
 
 
 def test_touching_a_wall_by_the_radius_is_not_enough() -> None:
-    assert not check(ONE, {"a": [[1, 1, 0], [5, 0.5, 5], [9, 1, 10]]}).holds
+    touching = only(check(ONE, {"a": [[1, 1, 0], [5, 0.5, 5], [9, 1, 10]]}))
+    assert touching.endswith("; more than its radius 0.5 m is needed")
+    # Further away by less than rounding could feign.
+    hardly = only(check(ONE, {"a": [[1, 1, 0], [5, 0.5 + 1e-15, 5], [9, 1, 10]]}))
+    assert "is needed, by more than rounding (1.4e-13 m)" in hardly
 
 
 def test_outside_between_knots_and_at_a_knot() -> None:

@@ -90,6 +90,15 @@ def test_on_a_bent_way_apart_the_moment_is_exact() -> None:
     assert clear == pytest.approx(np.sqrt(0.75), abs=1e-5)
 
 
+def test_who_leaves_before_they_are_clear_is_kept_from_no_longer() -> None:
+    gone = [[0, 0, 0], [-0.25, 0, 3]]
+    later = [[0.5, 0, 0], [0.5, 0, 5], [4, 0, 9]]
+    found = check(gone, bob=later, own=", after_arrival: vanish")
+    assert found.holds
+    assert found.eased[0].clear is not None
+    assert {spot.who for spot in found.pairs} == {("ann", "eve"), ("bob", "eve")}
+
+
 def test_every_pair_is_counted_once() -> None:
     scene = parse_scene(
         "stplan: 1\nhorizon: 9\noverlap: ease\ndefaults: {radius: 0.5}\nagents:\n"

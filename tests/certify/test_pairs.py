@@ -71,6 +71,19 @@ def test_the_tightest_pair_is_found_however_far_apart_all_are(monkeypatch, count
     assert len(found.pairs) + found.unlisted.pairs == count * (count - 1) // 2
 
 
+@pytest.mark.parametrize("tightest", range(1, 29))
+def test_listed_pairs_and_the_rest_are_all_pairs(monkeypatch, tightest: int) -> None:
+    monkeypatch.setattr(pairs_module, "LISTED", 10)
+    monkeypatch.setattr(pairs_module, "TIGHTEST", tightest)
+    lines = spread(8, 0.7)
+    found = certify(scene_of(lines, np.full(8, 0.3)), None, lines)
+    assert found.holds
+    assert found.unlisted is not None
+    assert found.num_pairs == 28
+    assert len(found.pairs) <= tightest
+    assert found.unlisted.clearance >= found.pairs[-1].clearance - 1e-9
+
+
 def test_those_who_are_never_there_together_have_no_tightest_spot(monkeypatch) -> None:
     monkeypatch.setattr(pairs_module, "LISTED", 10)
     lines = spread(8, 1.0)
