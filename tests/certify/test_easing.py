@@ -99,6 +99,13 @@ def test_who_leaves_before_they_are_clear_is_kept_from_no_longer() -> None:
     assert {spot.who for spot in found.pairs} == {("ann", "eve"), ("bob", "eve")}
 
 
+def test_both_may_move_from_the_start() -> None:
+    bob = [[0.5, 0, 0], [2.5, 0, 2], [4, 0, 9]]
+    (eased,) = check([[0, 0, 0], [-2, 0, 2], [-4, 0, 9]], bob=bob).eased
+    assert eased.apart == 0.5
+    assert eased.clear == pytest.approx(0.25, abs=1e-5)
+
+
 def test_every_pair_is_counted_once() -> None:
     scene = parse_scene(
         "stplan: 1\nhorizon: 9\noverlap: ease\ndefaults: {radius: 0.5}\nagents:\n"

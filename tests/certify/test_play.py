@@ -195,6 +195,15 @@ def test_when_offsets_come_near_first() -> None:
     assert 50 < seen < 150
 
 
+def test_however_finely_offsets_are_written_down() -> None:
+    times = np.array([0.0, 4.0])
+    offsets = np.array([[-4.0, 0.3], [4.0, 0.5]])
+    expected = first_within(offsets, times, 1.0)
+    fine = np.linspace(0.0, 4.0, 101)
+    denser = np.column_stack([np.interp(fine, times, offsets[:, x]) for x in range(2)])
+    assert first_within(denser, fine, 1.0) == pytest.approx(expected)
+
+
 def test_offsets_that_stand_still_or_lead_away() -> None:
     times = np.array([3.0, 5.0, 6.0])
     still = np.array([[2.0, 0.0], [2.0, 0.0], [0.0, 0.0]])
