@@ -109,7 +109,11 @@ def _going_on(rest: FloatArray, lengths: FloatArray, pace: float) -> FloatArray 
 
 def _first_met(crowd: Crowd, a: int, curve: FloatArray) -> Blocker | None:
     """The first agent that `curve` would bring agent `a` too near to."""
-    others = np.flatnonzero(crowd.collides[a]).tolist()
+    knots, first_knots = crowd.lines.knots[:, :2], crowd.lines.offsets[:-1]
+    low, high = np.minimum.reduceat(knots, first_knots), np.maximum.reduceat(knots, first_knots)
+    kept = crowd.distance[a][:, None]
+    within = (low <= curve[:, :2].max(axis=0) + kept) & (high >= curve[:, :2].min(axis=0) - kept)
+    others = np.flatnonzero(crowd.collides[a] & within.all(axis=1)).tolist()
     if not others:
         return None
     ids = crowd.lines.agent_ids

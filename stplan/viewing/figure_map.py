@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 import shapely
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.collections import LineCollection, PatchCollection, PathCollection
 from matplotlib.colors import to_rgba
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, PathPatch
+from matplotlib.patches import Circle
 from matplotlib.text import Annotation, Text
 
 from stplan.analysis.paths import positions
@@ -82,12 +82,19 @@ def draw_map(axes: Axes, view: RunView, *, seed: bool = False) -> MapLabels:
 
 def _draw_swaths(axes: Axes, view: RunView, colours: list[str]) -> None:
     """What every disc passes over, pale, and the way of its centre."""
-    for curve, radius, colour in zip(view.lines.curves(), view.radii, colours, strict=True):
-        swath = shapely.buffer(shapely.linestrings(curve[:, :2]), radius, quad_segs=12)
-        axes.add_patch(
-            PathPatch(outline(swath), facecolor=to_rgba(colour, 0.13), edgecolor="none", zorder=2)
-        )
-        axes.plot(curve[:, 0], curve[:, 1], color=colour, lw=1.1, alpha=0.9, zorder=3)
+    ways = [curve[:, :2] for curve in view.lines.curves()]
+    swaths = shapely.buffer([shapely.linestrings(way) for way in ways], view.radii, quad_segs=12)
+    # One collection of each, which takes a tenth of the time that thousands of artists would.
+    axes.add_collection(
+        PathCollection(
+            [outline(swath) for swath in swaths],
+            facecolors=[to_rgba(colour, 0.13) for colour in colours], edgecolors="none", zorder=2,
+        ),
+        autolim=False,
+    )  # fmt: skip
+    axes.add_collection(
+        LineCollection(ways, colors=colours, linewidths=1.1, alpha=0.9, zorder=3), autolim=False
+    )
 
 
 def _draw_seed(axes: Axes, view: RunView, seed: WorldLines, colours: list[str]) -> None:

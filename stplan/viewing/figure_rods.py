@@ -14,7 +14,7 @@ from stplan.viewing.rod_meshes import rod_curve, rod_mesh
 from stplan.viewing.run_view import RunView
 
 # Up to so many agents: sides of a rod, and the most rings it is drawn with.
-_DETAIL = ((10, 32, 80), (40, 16, 60), (10_000, 7, 24))
+_DETAIL = ((10, 32, 80), (40, 16, 60), (1000, 7, 24), (np.inf, 3, 8))
 # Height of the picture over the map's longer side.
 _HEIGHT = 0.85
 

@@ -8,8 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from matplotlib.collections import PatchCollection
-from matplotlib.patches import PathPatch
+from matplotlib.collections import PatchCollection, PathCollection
 from PIL import Image
 
 from stplan.scene.model import WorldChange
@@ -92,9 +91,10 @@ def test_paths_and_discs_are_at_true_scale(view):
     (axes,) = figure.axes
     assert axes.get_aspect() == 1.0
     # Floor first, then what the three discs pass over.
-    _, ann, ben, _ = (p for p in axes.patches if isinstance(p, PathPatch))
-    assert ann.get_path().get_extents().bounds == pytest.approx((-4.3, -0.3, 8.6, 0.6), abs=1e-3)
-    assert ben.get_path().get_extents().width == pytest.approx(0.8, abs=1e-3)
+    (swaths,) = (c for c in axes.collections if type(c) is PathCollection and c.zorder == 2)
+    ann, ben, _ = swaths.get_paths()
+    assert ann.get_extents().bounds == pytest.approx((-4.3, -0.3, 8.6, 0.6), abs=1e-3)
+    assert ben.get_extents().width == pytest.approx(0.8, abs=1e-3)
     (discs,) = (c for c in axes.collections if isinstance(c, PatchCollection))
     widths = [path.get_extents().width for path in discs.get_paths()]
     assert sorted({round(width, 6) for width in widths}) == [0.6, 0.8]
