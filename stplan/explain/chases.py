@@ -55,15 +55,16 @@ def wishes_section(scene: Scene) -> Section:
         for agent in scene.agents
         if agent.moving_goal is not None
     ]
-    sights: dict[float, list[str]] = {}
+    sights: dict[tuple[float, bool], list[str]] = {}
     for agent in scene.agents:
         if agent.sight is not None:
-            sights.setdefault(agent.sight, []).append(agent.id)
+            sights.setdefault((agent.sight, agent.line_of_sight), []).append(agent.id)
     facts += [
         Fact(
             f"{names(who)} {'sees' if len(who) == 1 else 'see'} others within {amount(sight)} m alone"
+            + (", and not through walls" if blocked else "")
         )
-        for sight, who in sights.items()
+        for (sight, blocked), who in sights.items()
     ]
     every = amount(scene.replan_every or REPLAN_EVERY)
     lead = f"The scene is played: every {every} s all decide anew, by where the others are then:"

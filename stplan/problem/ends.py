@@ -50,7 +50,7 @@ def _played_as(scene: Scene, lines: WorldLines) -> Scene:
                 own = replace(own, after_arrival="vanish")
             if t < end or agent.moving_goal is not None:
                 own = replace(own, goal=(x, y))
-        agents.append(replace(own, moving_goal=None, sight=None))
+        agents.append(replace(own, moving_goal=None, sight=None, line_of_sight=False))
     return replace(scene, agents=tuple(agents), replan_every=None, tasks=())
 
 

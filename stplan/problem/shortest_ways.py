@@ -142,19 +142,28 @@ def corners(free_space: FreeSpace) -> FloatArray:
 
     Between neighbouring edges at a corner there is room for an arc where they enclose more than half a turn.
     """
+    return np.ascontiguousarray(corner_faces(free_space)[:, :4])
+
+
+def corner_faces(free_space: FreeSpace) -> FloatArray:
+    """(C, 6) the same, and how long the edges are (m) before the first normal and after the last."""
     edges, vertices = free_space.boundary_edges, free_space.boundary_vertices
     at = np.concatenate([edges[:, 0], edges[:, 1]])
     to = np.concatenate([edges[:, 1], edges[:, 0]])
-    direction = np.arctan2(*(vertices[to] - vertices[at]).T[::-1])
+    edge = vertices[to] - vertices[at]
+    direction = np.arctan2(*edge.T[::-1])
     order = np.lexsort((direction, at))
-    at, direction = at[order], direction[order]
+    at, direction, length = at[order], direction[order], np.hypot(*edge[order].T)
     last = np.append(at[1:] != at[:-1], True)
     begins = np.flatnonzero(np.append(True, last[:-1]))
     following = np.append(direction[1:], 0.0)
     following[last] = direction[begins] + 2.0 * np.pi
+    next_length = np.append(length[1:], 0.0)
+    next_length[last] = length[begins]
     span = following - direction - np.pi
     turning = span > ROUNDING
-    return np.column_stack([vertices[at], direction + np.pi / 2, span])[turning]
+    columns = [vertices[at], direction + np.pi / 2, span, length, next_length]
+    return np.column_stack(columns)[turning]
 
 
 def _around(

@@ -46,6 +46,7 @@ def fan(
     windows: tuple[int, ...],
     *,
     first: bool,
+    shares: FloatArray = SHARES,
 ) -> FloatArray:
     """(C, L, 2) velocities of motions around the direction `towards` (2,), the first of them at rest soon.
 
@@ -53,11 +54,12 @@ def fan(
         velocity: (2,) of the step before, m/s.
         windows: for how many steps a velocity is aimed at, before the agent stops.
         first: whether this is its very first step.
+        shares: of the greatest speed that are aimed at.
     """
     angle = float(np.arctan2(towards[1], towards[0]))
     angles = angle + DIRECTIONS
     ways = np.column_stack([np.cos(angles), np.sin(angles)])
-    wanted = (SPARE * limits.speed * SHARES[:, None, None] * ways[None]).reshape(-1, 2)
+    wanted = (SPARE * limits.speed * shares[:, None, None] * ways[None]).reshape(-1, 2)
     wanted = np.vstack([np.zeros(2), *[wanted] * len(windows)])
     length = np.concatenate([[0], np.repeat(windows, (len(wanted) - 1) // len(windows))])
     steps = max(windows) + limits.stopping + 1

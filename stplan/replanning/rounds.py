@@ -7,6 +7,7 @@ last is one of them, so that nobody is ever left without a motion that is clear 
 Whoever does not see all others keeps clear of those it sees. Of two who have to keep a distance R, and of
 whom one does not see the other, both choose motions no longer than (s - R) / 2, s the shorter of their
 sights: they are further apart than s, so they stand before they could touch, and see each other before.
+What walls hide is treated likewise (`stplan.replanning.sight`).
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ from stplan.arrays import BoolArray, FloatArray
 from stplan.callbacks import Stop, never
 from stplan.certify.play import first_within
 from stplan.replanning.decisions import Decisions, Field, Wish
-from stplan.replanning.motions import Limits, arrivals, fan
+from stplan.replanning.motions import SHARES, Limits, arrivals, fan
+from stplan.replanning.sight import Hiding
 from stplan.scene.interactions import PairSettings
 from stplan.scene.model import Scene
 from stplan.scene.moving_goals import REPLAN_EVERY, captures
@@ -97,6 +99,7 @@ class _Game:
         spare = np.where(self._apart > 0.0, 0.5 * (mutual - self._apart), np.inf)
         # How far each may go until it stands.
         self._longest = (1.0 - ROOM) * spare.min(axis=1)
+        self._hiding = Hiding(scene, space, self._apart)
         self._seen = np.ones((count, count), dtype=bool)
         self._caught: list[Caught] = []
         self._captures = captures(scene)
@@ -110,6 +113,7 @@ class _Game:
         here = self._places[:, now]
         gaps = np.hypot(*np.moveaxis(here[:, None] - here[None], -1, 0))
         self._seen = self._present[None, :] & (gaps <= self._sight[:, None])
+        self._seen &= self._hiding.seen(here)
         decisions = Decisions(self._field, here, velocities, self._seen)
         wishes = [
             decisions.wish(a) if self._present[a] else None for a in range(len(self._present))
@@ -159,7 +163,8 @@ class _Game:
             way = wish.distances.next_from(here) - here
             towards = way if np.hypot(*way) > 0.0 else towards
         windows = tuple(count * self._steps for count in WINDOWS)
-        velocities = fan(limits, velocity, towards, windows, first=first)
+        shares = np.append(SHARES, self._hiding.short_shares(a, here, self._stride(a)))
+        velocities = fan(limits, velocity, towards, windows, first=first, shares=shares)
         if wish is None:
             velocities = velocities[:1]
         motions = here + self._step * np.cumsum(velocities, axis=1)
@@ -186,11 +191,16 @@ class _Game:
             # Where motions are short, how far it gets before all decide again counts as much.
             soon = motions[:, min(self._steps, motions.shape[1]) - 1]
             far = far + np.maximum(wish.distances.at(np.ascontiguousarray(soon)) - wish.enough, 0.0)
+            far = far + self._hiding.lost(a, motions[:, -1], self._stride(a))
         for b in wish.threats:
             theirs = self._places[b, self.now + 1 : self.now + 1 + motions.shape[1]]
             gap = np.hypot(*np.moveaxis(motions - theirs, -1, 0)).min(axis=1)
             far = far + FEAR * np.maximum(wish.berth - gap, 0.0)
         return far + BETTER * np.arange(len(motions))
+
+    def _stride(self, a: int) -> float:
+        """How far an agent gets between two decisions at most, m."""
+        return self._limits[a].speed * self._step * self._steps
 
     def _clear(self, a: int, motions: FloatArray) -> BoolArray:
         """(C,) which motions (C, L, 2) are short enough, and clear of walls and of what others seen chose."""
@@ -199,6 +209,7 @@ class _Game:
         heads, tails = whole[:, :-1].reshape(-1, 2), whole[:, 1:].reshape(-1, 2)
         clear = self._field.grounds[a].sees(heads, tails).reshape(len(motions), -1).all(axis=1)
         clear &= _lengths(whole) <= self._longest[a]
+        clear &= self._hiding.allows(a, whole)
         others = np.flatnonzero(self._seen[a] & (self._apart[a] > 0.0))
         if not len(others):
             return np.asarray(clear)

@@ -58,7 +58,7 @@ class Agent:
     `start`, `goal`, `start_time` and `max_time` repeat its ends. With `goal_places` the agent ends anywhere
     in one of them, and `goal` is a point of them that planning begins with. With a `moving_goal` it ends
     wherever that leads, and `goal` repeats its start. With a `sight` (m) it knows of those alone whose
-    centres are no further away.
+    centres are no further away, and, with `line_of_sight`, that no wall hides from it.
     """
 
     id: str
@@ -82,6 +82,7 @@ class Agent:
     start_duration: float = added(0.0)
     moving_goal: MovingGoal | None = added(None)  # noqa: RUF009
     sight: float | None = added(None)
+    line_of_sight: bool = added(False)
 
     @property
     def starts_as_given(self) -> bool:

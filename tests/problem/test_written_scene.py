@@ -17,7 +17,7 @@ from tests.test_commuting import DETAILED, Copy
 
 # What has no unit, or is no business of planning.
 BARE = {
-    Agent: {"id", "after_arrival", "moving_goal", "sight"},
+    Agent: {"id", "after_arrival", "moving_goal", "sight", "line_of_sight"},
     Weights: {"kinetic", "collision", "wall", "clearance"},
     PairRule: {"left", "right", "collide", "collision"},
     SolverSettings: {

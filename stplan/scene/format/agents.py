@@ -82,6 +82,7 @@ class PerceptionFile(FileModel):
     """What an agent knows of others: those that are near; the others do not exist for it."""
 
     radius: Positive = Field(description="how far it sees, m between centres")
+    line_of_sight: bool = Field(False, description="whether walls hide others from it")
 
 
 class SharedFields(FileModel):

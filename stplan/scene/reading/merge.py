@@ -138,6 +138,7 @@ class _Merge:
             start_duration=start_duration,
             moving_goal=moving,
             sight=None if own.path is not None else self._sight(),
+            line_of_sight=own.path is None and self._line_of_sight(),
         )
 
     def _weights(self) -> Weights:
@@ -184,6 +185,10 @@ class _Merge:
     def _sight(self) -> float | None:
         perception = self._value("perception", None)
         return None if perception is None else float(perception.radius)
+
+    def _line_of_sight(self) -> bool:
+        perception = self._value("perception", None)
+        return perception is not None and bool(perception.line_of_sight)
 
     def _moving_goal(self, entry: MovingGoalFile) -> MovingGoal | None:
         path = self._listed.place("goal")

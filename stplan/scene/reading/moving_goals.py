@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from stplan.amounts import distinct
+from stplan.arrays import FloatArray
 from stplan.scene.format.agents import SharedFields
 from stplan.scene.format.moving_goals import KINDS, MovingGoalFile
 from stplan.scene.interactions import PairSettings
@@ -21,6 +22,8 @@ from stplan.schema.mapping import Fault
 CAPTURE = 1.5
 # What is not planned once for all.
 PLAYED = "a scene with goals that move, perception or tasks"
+# Sums of radii that differ by this share are the same.
+ROUNDING = 1e-9
 _BELONGS = {"within": "follow", "capture": "pursue", "places": "evade"}
 
 
@@ -173,6 +176,7 @@ def capture_faults(scene: Scene) -> list[Fault]:
             other = scene.agents[b].id
             text = f"is {given} m; more than the {least} m that it keeps from {other} is expected"
             faults.append((f"{scene.agent_path(a)}.perception.radius", text))
+    faults += _unseen(scene, kept_apart)
     for a, b, capture in captures(whole):
         path, other = f"{scene.agent_path(a)}.goal.capture", scene.agents[b].id
         kept = float(pairs.distance[a, b]) if pairs.collides[a, b] else 0.0
@@ -183,3 +187,21 @@ def capture_faults(scene: Scene) -> list[Fault]:
         elif np.hypot(*(starts[a] - starts[b])) <= capture:
             faults.append((path, f"is {capture:g} m, and {other} starts nearer than that"))
     return faults
+
+
+def _unseen(scene: Scene, kept_apart: FloatArray) -> list[Fault]:
+    """Pairs of which one does not see through walls, and which keep more than walls keep between them."""
+    radii = np.array([agent.radius for agent in scene.agents])
+    hidden = np.array([agent.line_of_sight for agent in scene.agents])
+    wide = kept_apart > (radii[:, None] + radii[None, :]) * (1.0 + ROUNDING)
+    wrong = np.argwhere(np.triu(wide & (hidden[:, None] | hidden[None, :])))
+    faults = []
+    for a, b in wrong.tolist():
+        who = a if hidden[a] else b
+        given, least = distinct(float(kept_apart[a, b]), float(radii[a] + radii[b]))
+        text = (
+            f"{scene.agents[a].id} and {scene.agents[b].id} keep {given} m, and behind a wall they may be "
+            f"{least} m apart, unseen; a distance of at most that is expected"
+        )
+        faults.append((f"{scene.agent_path(who)}.perception.line_of_sight", text))
+    return faults[:1]

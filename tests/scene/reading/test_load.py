@@ -61,6 +61,7 @@ def test_defaults():
         "start_duration": 0.0,
         "moving_goal": None,
         "sight": None,
+        "line_of_sight": False,
         "visits": (),
         "clearance": 0.0,
         "goal_places": (),
