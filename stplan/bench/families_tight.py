@@ -186,11 +186,10 @@ def warehouse(
     )
 
 
-def cabin(rng: np.random.Generator, *, depth: int = 0, passengers: int = 0) -> Scene:
+def cabin(rng: np.random.Generator, *, depth: int = 0, passengers: int = 0, rows: int = 6) -> Scene:
     """6 to 10 passengers of an aircraft cabin sit in each other's seats, one or two deep."""
     depth = depth or int(rng.integers(1, 3))
     passengers = passengers or int(rng.integers(6, 11))
-    rows = 6
     pitch, seat = 3.0 * RADIUS, 2.3 * RADIUS
     aisle = 1.2 * RADIUS
     reach = aisle + depth * seat
