@@ -66,6 +66,7 @@ def page_content(
         "seed": _seed(view),
         "moments": [_moment(view, spot) for spot in spots[:_MOMENTS]],
         "clearance": _clearance(view),
+        "events": [{"time": round(when, 6), "what": what} for when, what in view.events],
     }
 
 

@@ -26,6 +26,12 @@ agents:
   - {id: ben, start: [0.0, -2.5], goal: [0.0, 1.5], waypoints: [[0.0, -1.0]], radius: 0.4}
   - {id: cat, start: [4.0, -2.0], goal: [-4.0, -2.5], start_time: 1.0, after_arrival: vanish}
 """
+# What happens there while ben waits for ann, and later.
+EVENTS = """\
+events:
+  - {at: 1.0, agent: cat, max_speed: 9, because: the <b> door closes}
+  - {at: 6.0, agent: cat, max_speed: 0.5}
+"""
 # ann is in the middle of the map at 4 s; ben waits for her there, from 1.5 s to 5 s.
 CURVES = [
     np.array([[-4.0, 0.0, 0.0], [4.0, 0.0, 8.0]]),

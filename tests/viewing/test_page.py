@@ -13,7 +13,7 @@ import pytest
 import stplan.viewing
 from stplan.viewing.page import page_bytes, page_content
 from stplan.viewing.run_view import open_run
-from tests.viewing.runs import CURVES, hall_run, write_run
+from tests.viewing.runs import CURVES, EVENTS, HALL, hall_run, write_run
 
 PAGE = Path(stplan.viewing.__file__).parent / "page"
 
@@ -86,3 +86,13 @@ def test_what_the_page_knows(view):
     (part,) = content["map"]
     assert sorted(map(tuple, part[0]))[0] == (-5.0, -3.0)
     assert content["seed"][0][0] == [-4.0, 0.05, 0.0]
+
+
+def test_events_are_in_it(view, tmp_path):
+    assert page_content(view)["events"] == []
+    (tmp_path / "changing").mkdir()
+    changing = open_run(write_run(tmp_path / "changing", HALL + EVENTS, CURVES))
+    assert page_content(changing)["events"] == [
+        {"time": 1.0, "what": "the <b> door closes"},
+        {"time": 6.0, "what": "cat goes 0.5 m/s at most"},
+    ]

@@ -15,7 +15,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from stplan.viewing.page import page_bytes
 from stplan.viewing.run_view import open_run
-from tests.viewing.runs import CURVES, HALL, hall_run, many_run, write_run
+from tests.viewing.runs import CURVES, EVENTS, HALL, hall_run, many_run, write_run
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 ADVICE = "no browser to test the page in: apt-get install chromium (as .ci/run does)"
@@ -238,3 +238,44 @@ def test_a_hundred_agents(opened, tmp_path):
     page.locator(".more").click()
     assert page.locator(".moments button").count() == 99
     assert len(np.unique(_pixels(page, "#rods").reshape(-1, 3), axis=0)) > 100
+
+
+def test_events_are_marked_and_reached_by_mouse_and_keys(opened, tmp_path):
+    page = opened(write_run(tmp_path, HALL + EVENTS, CURVES))
+    marks = page.locator("#marks button")
+    assert marks.count() == 2
+    assert marks.nth(0).get_attribute("aria-label") == "1.00 s: the <b> door closes"
+    bar, mark = page.locator("#timeline").bounding_box(), marks.nth(0).bounding_box()
+    assert mark["x"] + mark["width"] / 2 == pytest.approx(bar["x"] + bar["width"] / 9.0, abs=1.5)
+
+    # By mouse, by keys for the next and the one before, by Tab and Enter, and by its row.
+    marks.nth(1).click()
+    assert _time(page) == pytest.approx(6.0)
+    page.keyboard.press("Shift+E")
+    assert _time(page) == pytest.approx(1.0)
+    page.keyboard.press("Shift+E")
+    assert _time(page) == pytest.approx(1.0)
+    page.keyboard.press("e")
+    assert _time(page) == pytest.approx(6.0)
+    page.locator("#timeline").focus()
+    page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    assert _time(page) == pytest.approx(1.0)
+    rows = page.locator("#events li")
+    rows.nth(1).locator("button").click()
+    assert _time(page) == pytest.approx(6.0)
+
+    # Who stops whom stands with the event that it follows.
+    assert rows.nth(0).inner_text().startswith("the <b> door closes")
+    assert rows.nth(0).locator(".stops").inner_text() == "ann stops ben"
+    assert rows.nth(1).locator(".stops").count() == 0
+
+    # The bar is still dragged where there are no marks.
+    _scrub(page, 0.5)
+    assert _time(page) == pytest.approx(4.5, abs=0.05)
+
+
+def test_a_run_without_events_has_no_marks(opened, tmp_path):
+    page = opened(hall_run(tmp_path))
+    assert page.locator("#marks button").count() == 0
+    assert page.locator("#events").count() == 0

@@ -50,6 +50,10 @@ function buildRods() {
 function listenToKeys(timeline) {
   const nudge = (event, direction) =>
     state.seek(state.time + direction * run.duration * (event.shiftKey ? 0.1 : 0.01));
+  const toEvent = (direction) => {
+    const found = state.eventFrom(direction);
+    if (found) state.goToEvent(found);
+  };
   const keys = {
     " ": () => state.play(!state.playing),
     ArrowLeft: (event) => nudge(event, -1),
@@ -59,6 +63,8 @@ function listenToKeys(timeline) {
     "+": () => timeline.changeSpeed(1),
     "-": () => timeline.changeSpeed(-1),
     n: () => run.moments.length && state.goTo(run.moments[0]),
+    e: () => toEvent(1),
+    E: () => toEvent(-1),
     o: () => run.other && state.showOther(!state.other),
     t: () => toggleTheme(state),
     Escape: () => state.select([]),

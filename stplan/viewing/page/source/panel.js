@@ -57,12 +57,40 @@ export class Panel {
     return [
       ...this.run.notes.map((note) => element("p", { class: "note" }, note)),
       ...(this.run.other ? this.comparison() : []),
+      ...(this.run.events.length > 0 ? this.events() : []),
       element("h2", {}, `Agents (${this.run.agents.length})`),
       element("div", { class: "agents all" }, ...this.run.agents.map((_, a) => this.link(a))),
       element("h2", {}, "Tightest moments"),
       this.list(this.moments),
       waiting.length > 0 && element("h2", {}, "Who waits"),
       waiting.length > 0 && this.waits(waiting),
+    ];
+  }
+
+  /** What nobody knew of before, each with who waits for whom from then on until the next. */
+  events() {
+    const { events, agents } = this.run;
+    const rows = events.map((event, k) => {
+      const until = events[k + 1]?.time ?? this.run.end;
+      const stopped = agents.flatMap((agent, a) =>
+        agent.waits
+          .filter(({ begin }) => begin >= event.time && begin < until)
+          .map(({ b }) => (b === null ? `${this.name(a)} waits` : `${this.name(b)} stops ${this.name(a)}`)),
+      );
+      const who = [...new Set(stopped)].join(", ");
+      return element(
+        "li", {},
+        element(
+          "button", { type: "button", "data-time": event.time, onclick: () => this.state.goToEvent(event) },
+          element("span", { class: "who" }, event.what),
+          element("span", { class: "when" }, seconds(event.time)),
+        ),
+        who && element("p", { class: "muted stops" }, who),
+      );
+    });
+    return [
+      element("h2", { title: "Next and previous (E and Shift+E)" }, "What happened"),
+      element("ol", { class: "moments", id: "events" }, ...rows),
     ];
   }
 

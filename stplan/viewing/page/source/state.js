@@ -59,6 +59,19 @@ export class State {
     this.select(moment.b === null ? [moment.a] : [moment.a, moment.b], moment);
   }
 
+  /** Stop where something happened; all are shown, for it may concern everybody. */
+  goToEvent(event) {
+    this.play(false);
+    this.seek(event.time);
+    this.select([]);
+  }
+
+  /** The nearest event before (-1) or after (1) the time that is shown, if there is one. */
+  eventFrom(direction) {
+    const ahead = this.run.events.filter(({ time }) => direction * (time - this.time) > 1e-6);
+    return direction > 0 ? ahead[0] : ahead.at(-1);
+  }
+
   shows(agent) {
     return this.selected.size === 0 || this.selected.has(agent);
   }

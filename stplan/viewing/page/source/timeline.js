@@ -1,7 +1,7 @@
 // Time: play, pause, speed, and a bar that shows how tight it is when, to be dragged along.
 
 import { colours, fit } from "./theme.js";
-import { niceStep, seconds } from "./words.js";
+import { element, niceStep, seconds } from "./words.js";
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8, 16, 32, 64];
 // Unless told, a run is played within so many seconds.
@@ -23,6 +23,7 @@ export class Timeline {
     this.bar.setAttribute("aria-valuemin", this.run.begin);
     this.bar.setAttribute("aria-valuemax", this.run.end);
     this.listenToPointer();
+    this.markEvents();
     this.dirty = true;
     state.listen((what) => {
       this.dirty = true;
@@ -54,6 +55,19 @@ export class Timeline {
     this.readout.textContent = seconds(this.state.time);
     this.bar.setAttribute("aria-valuenow", this.state.time.toFixed(3));
     this.bar.setAttribute("aria-valuetext", seconds(this.state.time));
+  }
+
+  /** A button over the bar where something happened that nobody knew of before. */
+  markEvents() {
+    for (const event of this.run.events) {
+      const part = (event.time - this.run.begin) / this.run.duration;
+      const says = `${seconds(event.time)}: ${event.what}`;
+      const mark = element("button", {
+        type: "button", class: "event", "data-time": event.time, title: says, "aria-label": says,
+        style: `left: ${100 * Math.min(Math.max(part, 0), 1)}%`, onclick: () => this.state.goToEvent(event),
+      });
+      document.getElementById("marks").append(mark);
+    }
   }
 
   listenToPointer() {
