@@ -33,6 +33,12 @@ def test_speed_of_every_segment() -> None:
     assert broken.violations == ("a: speed 2 m/s at t = 5.5 s; at most 1.9 m/s is allowed",)
 
 
+@pytest.mark.parametrize(("excess", "kept"), [(0.8e-9, True), (1.2e-9, False)])
+def test_limits_count_as_kept_up_to_a_billionth(excess: float, kept: bool) -> None:
+    curve = [[0, 0, 0], [2, 0, 4], [8, 0, 7]]
+    assert check(f"max_speed: {2.0 / (1.0 + excess)!r}", curve).holds == kept
+
+
 def even(lengths: list[float], times: list[float]) -> list[list[float]]:
     """A curve along x."""
     return [[x, 0, t] for x, t in zip(np.cumsum([0.0, *lengths]).tolist(), times, strict=True)]
