@@ -66,8 +66,24 @@ def page_content(
         "seed": _seed(view),
         "moments": [_moment(view, spot) for spot in spots[:_MOMENTS]],
         "clearance": _clearance(view),
-        "events": [{"time": round(when, 6), "what": what} for when, what in view.events],
+        "events": _events(view),
     }
+
+
+def _events(view: RunView) -> list[dict[str, Any]]:
+    """What happened when, and which agents it stopped itself, each with until when, s."""
+    changes = () if view.scene is None else view.scene.changes
+    return [
+        {
+            "time": round(when, 6),
+            "what": what,
+            "still": [
+                {"a": view.rows[name], "until": round(when + lasts, 6)}
+                for name, lasts in change.delays
+            ],
+        }
+        for (when, what), change in zip(view.events, changes, strict=True)
+    ]
 
 
 def _agent(view: RunView, a: int, colour: str, waiting: list[Wait], end: float) -> dict[str, Any]:

@@ -93,6 +93,10 @@ def test_events_are_in_it(view, tmp_path):
     (tmp_path / "changing").mkdir()
     changing = open_run(write_run(tmp_path / "changing", HALL + EVENTS, CURVES))
     assert page_content(changing)["events"] == [
-        {"time": 1.0, "what": "the <b> door closes"},
-        {"time": 6.0, "what": "cat goes 0.5 m/s at most"},
+        {"time": 1.0, "what": "the <b> door closes", "still": []},
+        {"time": 6.0, "what": "cat goes 0.5 m/s at most", "still": []},
     ]
+    (tmp_path / "stopped").mkdir()
+    delay = "events: [{at: 1.5, agent: ben, delay: 3.5}]\n"
+    stopped = open_run(write_run(tmp_path / "stopped", HALL + delay, CURVES))
+    assert page_content(stopped)["events"][0]["still"] == [{"a": 1, "until": 5.0}]

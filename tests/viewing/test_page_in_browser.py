@@ -275,6 +275,13 @@ def test_events_are_marked_and_reached_by_mouse_and_keys(opened, tmp_path):
     assert _time(page) == pytest.approx(4.5, abs=0.05)
 
 
+def test_whom_an_event_stops_waits_for_nobody(opened, tmp_path):
+    delay = "events: [{at: 1.4, agent: ben, delay: 3.6}]\n"
+    page = opened(write_run(tmp_path, HALL + delay, CURVES))
+    assert page.locator("#events li").inner_text().startswith("ben stands still for 3.6 s")
+    assert page.locator("#events .stops").count() == 0
+
+
 def test_a_run_without_events_has_no_marks(opened, tmp_path):
     page = opened(hall_run(tmp_path))
     assert page.locator("#marks button").count() == 0

@@ -72,9 +72,11 @@ export class Panel {
     const { events, agents } = this.run;
     const rows = events.map((event, k) => {
       const until = events[k + 1]?.time ?? this.run.end;
+      // Whom the event stopped does not wait for anybody meanwhile.
+      const stands = (a, begin) => event.still.some((one) => one.a === a && begin < one.until);
       const stopped = agents.flatMap((agent, a) =>
         agent.waits
-          .filter(({ begin }) => begin >= event.time && begin < until)
+          .filter(({ begin }) => begin >= event.time && begin < until && !stands(a, begin))
           .map(({ b }) => (b === null ? `${this.name(a)} waits` : `${this.name(b)} stops ${this.name(a)}`)),
       );
       const who = [...new Set(stopped)].join(", ");
