@@ -30,6 +30,8 @@ from stplan.world import FreeSpace
 LONGEST_STEP = 0.125
 # Who comes no later than this after its shortest way looks for no other, s.
 PATIENCE = 1.0
+# Nobody is planned to come later than this after it, s: until then others may have gone on.
+LONGEST_WAIT = 10.0
 # Of the shared tasks so many nearest ones are looked at, and so many with the shortest ways tried.
 NEAR, TRIED = 8, 3
 # Whoever's next task cannot be planned asks again after this share of what is left of its plan.
@@ -198,11 +200,12 @@ class _Fleet:
         if (np.hypot(*(theirs[:, -1] - goal).T) <= apart).any():
             return False  # Somebody stands there, for all that is planned.
         best: FloatArray | None = None
-        enough = latest = np.iinfo(np.int64).max
+        enough = latest = never_late = np.iinfo(np.int64).max
         standing = self._ends[others] <= begin
         for points in self._ways(a, self._places[a, begin], goal, theirs, apart):
-            if best is None:
-                enough = min(enough, len(points) - 1 + self._steps(PATIENCE))
+            if latest == never_late:
+                enough = len(points) - 1 + self._steps(PATIENCE)
+                latest = len(points) - 1 + self._steps(LONGEST_WAIT)
             if len(points) - 1 > latest or _touches(points, theirs[standing, 0], apart[standing]):
                 continue
             arrival, at = timed_way(points, theirs, apart, latest)

@@ -18,7 +18,11 @@ SPARE = 1.0 - 1e-7
 DETOURS = 4
 LONGER, LONGER_RADII = 1.6, 24.0
 # Who stands in the way is passed at so many times the distance to be kept.
-PASSING = 1.03
+PASSING = 1.04
+# Ways around somebody are drawn in steps of this share of that.
+FINE = 0.05
+# The direction of a way is that over so many of them before and after.
+SOME = 4
 # Each leads by a spot that is so many radii off all before.
 ASIDE = 5.0
 
@@ -140,9 +144,10 @@ class Trips:
 
 def _led_around(way: FloatArray, body: FloatArray, reach: float, side: float) -> FloatArray:
     """A way (n, 2), its points beside a body moved out of reach (m) to one side of it."""
+    way = evenly(way, FINE * reach)
     offsets = way - body
     nearest = int((offsets**2).sum(axis=1).argmin())
-    ahead = way[min(nearest + 1, len(way) - 1)] - way[max(nearest - 1, 0)]
+    ahead = way[min(nearest + SOME, len(way) - 1)] - way[max(nearest - SOME, 0)]
     ahead = ahead / max(float(np.hypot(*ahead)), 1e-300)
     aside = side * np.array([-ahead[1], ahead[0]])
     along = offsets @ ahead

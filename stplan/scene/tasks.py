@@ -8,7 +8,7 @@ from typing import Any
 from stplan.arrays import Point
 
 # Plans reach so far ahead, s.
-WINDOW = 30.0
+WINDOW = 10.0
 
 
 @dataclass(frozen=True)

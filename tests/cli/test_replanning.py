@@ -51,6 +51,7 @@ def test_the_page_does_what_it_says(run, monkeypatch, tmp_path) -> None:
     assert "there at 12.64 s on average" in said["stplan solve scenes/chases/mist.yaml"]
     (hidden,) = (out for command, out in said.items() if "line_of_sight" in command)
     assert "there at 14.19 s on average" in hidden
+    assert "36 tasks done in" in said["stplan explain outputs/order-picking"]
 
 
 def test_a_wish_without_a_way_leaves_everything_and_says_why(run, monkeypatch, tmp_path) -> None:
