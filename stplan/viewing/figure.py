@@ -20,7 +20,7 @@ PARTS = ("map", "time", "rods")
 AXES_PARTS = ("map", "clearance", "speed", "arrivals", "rods")
 FORMATS = ("png", "svg", "pdf")
 _WIDTH = 13.0
-_HEAD = 0.5
+_HEAD = 0.6
 # Maps at least so much wider than high get a row of their own.
 _WIDE = 3.2
 
@@ -132,11 +132,11 @@ def _draw_head(band: SubFigure, view: RunView) -> None:
         default=None,
     )
     title = view.title + (f" — {view.description}" if view.description else "")
-    band.text(0.012, 0.45, title, va="center", fontsize=13, fontweight="bold")
+    band.text(0.012, 0.74, title, va="center", fontsize=13, fontweight="bold")
     facts = [f"{view.num_agents} agents" if view.num_agents > 1 else "one agent"]
     facts.append(f"all arrived after {view.end:.4g} s")
     colour = MUTED
     if tightest is not None:
         facts.append(f"smallest clearance {metres(tightest.clearance)} at {tightest.time:.4g} s")
         colour = MUTED if tightest.clearance > 0 else WARNING
-    band.text(0.988, 0.45, ", ".join(facts), ha="right", va="center", fontsize=9.5, color=colour)
+    band.text(0.012, 0.26, ", ".join(facts), va="center", fontsize=9.5, color=colour)
