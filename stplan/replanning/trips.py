@@ -21,6 +21,8 @@ LONGER, LONGER_RADII = 1.6, 24.0
 PASSING = 1.04
 # Ways around somebody are drawn in steps of this share of that.
 FINE = 0.05
+# Where corners cannot be cut a step ends at one of so many points.
+PIECES = 8
 # The direction of a way is that over so many of them before and after.
 SOME = 4
 # Each leads by a spot that is so many radii off all before.
@@ -61,7 +63,7 @@ class Trips:
     def around(
         self, agent: Agent, way: FloatArray, bodies: FloatArray, apart: FloatArray
     ) -> Iterator[FloatArray]:
-        """A way (n + 1, 2) led around `bodies` (B, 2) that stand on it, on either side of all of them."""
+        """A way (n + 1, 2) led around `bodies` (B, 2) that stand on it, as walls allow."""
         kept = PASSING * apart
         met = np.hypot(*np.moveaxis(way[:, None] - bodies[None], -1, 0)).min(axis=0) <= kept
         met &= np.minimum(
@@ -69,10 +71,15 @@ class Trips:
         ) > apart  # fmt: skip
         if len(way) < 3 or not met.any():
             return
-        for side in (1.0, -1.0):
+        ground = self._ground(agent.radius)
+        for first in (1.0, -1.0):
             led = way
             for body, reach in zip(bodies[met], kept[met], strict=True):
-                led = _led_around(led, body, float(reach), side)
+                for side in (first, -first):
+                    trial = _led_around(led, body, float(reach), side)
+                    if ground.sees(trial[:-1], trial[1:]).all():
+                        led = trial
+                        break
             found = self._cut(agent.radius, agent.max_speed or 1.0, led)
             if found is not None:
                 yield found
@@ -94,9 +101,8 @@ class Trips:
         points = evenly(way, pace)
         ground = self._ground(radius)
         if not ground.sees(points[:-1], points[1:]).all():
-            # Corners that are cut would touch a wall.
-            pieces = [evenly(way[k : k + 2], pace)[1:] for k in range(len(way) - 1)]
-            points = np.vstack([way[:1], *pieces])
+            # Corners that are cut would touch a wall: steps there are as long as walls let them be.
+            points = _as_far_as_seen(ground, evenly(way, pace / PIECES))
         return points if ground.sees(points[:-1], points[1:]).all() else None
 
     def _detours(
@@ -140,6 +146,17 @@ class Trips:
         if radius not in self._grounds:
             self._grounds[radius] = Ground.of(self._space, radius)
         return self._grounds[radius]
+
+
+def _as_far_as_seen(ground: Ground, way: FloatArray) -> FloatArray:
+    """Points (n, 2) of a `way` (m, 2), each the furthest of the next few that is seen from the one before."""
+    kept = [0]
+    while kept[-1] < len(way) - 1:
+        here = kept[-1]
+        ahead = way[here + 1 : here + 1 + PIECES]
+        seen = np.flatnonzero(ground.sees(np.broadcast_to(way[here], ahead.shape), ahead))
+        kept.append(here + 1 + (int(seen[-1]) if len(seen) else 0))
+    return way[kept]
 
 
 def _led_around(way: FloatArray, body: FloatArray, reach: float, side: float) -> FloatArray:
