@@ -10,8 +10,8 @@ import numpy as np
 
 from stplan.bench import families_open as wide
 from stplan.bench import families_tight as tight
+from stplan.bench.named_scenes import named
 from stplan.bench.solves import priced, warm_up
-from stplan.errors import UsageError
 from stplan.scene.model import Scene
 from stplan.scene.reading.load import load_scene
 
@@ -72,16 +72,11 @@ def chosen(folder: Path, names: Sequence[str], *, full: bool) -> dict[str, Scene
     every = full or bool(names)
     generated = _generated(every)
     shipped = FULL_SCENES if every else SMALL_SCENES
-    known = (*shipped, *generated)
-    for name in names:
-        if not any(name in scene for scene in known):
-            raise UsageError(f"no scene {name!r}; there are {', '.join(known)}")
-    wanted = [scene for scene in known if not names or any(name in scene for name in names)]
     return {
         scene: in_metric(
             generated[scene] if scene in generated else load_scene(folder / f"{scene}.yaml"), AUTO
         )
-        for scene in wanted
+        for scene in named((*shipped, *generated), names)
     }
 
 

@@ -21,13 +21,21 @@ def chosen_scenes(
     Raises:
         UsageError: there is no such scene.
     """
-    known = every if full or names else small
-    for name in names:
-        if not any(name in scene for scene in known):
-            raise UsageError(f"no scene {name!r}; there are {', '.join(known)}")
-    chosen = [scene for scene in known if not names or any(name in scene for name in names)]
+    chosen = named(every if full or names else small, names)
     files = {scene: folder / f"{scene}.yaml" for scene in chosen}
     for file in files.values():
         if not file.exists():
             raise UsageError(f"cannot read {file}: no such file")
     return files
+
+
+def named(known: Sequence[str], names: Sequence[str]) -> list[str]:
+    """Those of the `known` scenes with one of `names` in their own; all where there is none.
+
+    Raises:
+        UsageError: there is no such scene.
+    """
+    for name in names:
+        if not any(name in scene for scene in known):
+            raise UsageError(f"no scene {name!r}; there are {', '.join(known)}")
+    return [scene for scene in known if not names or any(name in scene for name in names)]

@@ -10,11 +10,11 @@ import numpy as np
 
 from stplan.amounts import amount
 from stplan.arrays import FloatArray
-from stplan.maps.reader import Floor, MapError
+from stplan.maps.reader import Floor
 from stplan.scene.interactions import PairSettings
 from stplan.scene.model import Scene
 from stplan.scene.places import Place
-from stplan.scene.reading.regions import OFF_WALLS, region_of
+from stplan.scene.reading.regions import OFF_WALLS, floor_of, region_of
 from stplan.schema.mapping import Fault
 
 if TYPE_CHECKING:
@@ -55,14 +55,10 @@ class _Draw:
 
     def scene(self) -> Scene:
         """The scene with all starts."""
-        if self._scene.map is not None:
-            from stplan.maps.floor import read_floor
-
-            try:
-                self._floor = read_floor(self._scene.map)
-            except MapError as fault:
-                self._faults.append((fault.path, fault.text))
-                return self._scene
+        known = len(self._faults)
+        self._floor = floor_of(self._scene, self._faults)
+        if len(self._faults) > known:
+            return self._scene
         groups: dict[tuple[Place, float], list[int]] = {}
         for a, place in self._drawn.items():
             agent = self._scene.agents[a]

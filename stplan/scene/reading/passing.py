@@ -13,14 +13,13 @@ import numpy as np
 
 from stplan.amounts import amount
 from stplan.arrays import Point
-from stplan.maps.reader import Floor, MapError
 from stplan.scene.format.agents import SharedFields, WaypointFile
 from stplan.scene.model import Agent, Scene
 from stplan.scene.places import Place
 from stplan.scene.reading.faults import Hints
 from stplan.scene.reading.patterns import Listed
 from stplan.scene.reading.places import Places
-from stplan.scene.reading.regions import OFF_WALLS, region_of
+from stplan.scene.reading.regions import OFF_WALLS, floor_of, region_of
 from stplan.schema.mapping import Fault
 
 # By number of an agent and of a waypoint: the place, and where the file says it.
@@ -50,15 +49,10 @@ def with_passed_points(scene: Scene, passed: Passed, faults: list[Fault]) -> Sce
     """`scene` with a point for every waypoint that is a place; with new faults it must not be used."""
     if not passed:
         return scene
-    floor: Floor | None = None
-    if scene.map is not None:
-        from stplan.maps.floor import read_floor
-
-        try:
-            floor = read_floor(scene.map)
-        except MapError as fault:
-            faults.append((fault.path, fault.text))
-            return scene
+    known = len(faults)
+    floor = floor_of(scene, faults)
+    if len(faults) > known:
+        return scene
     agents = list(scene.agents)
     for (a, k), (place, path) in sorted(passed.items(), key=lambda item: item[0]):
         agent = agents[a]

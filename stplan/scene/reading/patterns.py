@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -26,10 +25,9 @@ from stplan.scene.format.agents import (
     WeightsFile,
 )
 from stplan.scene.reading.crowds import crowd_ends, stream_agents
-from stplan.schema.csv_table import CsvTable
+from stplan.scene.reading.tables import table_rows
 from stplan.schema.mapping import Fault
 
-LARGEST_TABLE = 16 * 1024 * 1024
 ENDS = ("id", "start_x", "start_y", "goal_x", "goal_y")
 # Further columns of a table; a weight is a column such as `weights.arrival`.
 WORDS = ("after_arrival",)
@@ -38,7 +36,6 @@ NUMBERS = (
     "max_acceleration",
 )  # fmt: skip
 WEIGHTS = tuple(f"weights.{name}" for name in WeightsFile.model_fields)
-MOST_FAULTS = 20
 
 
 @dataclass(frozen=True)
@@ -102,7 +99,10 @@ def listed_agents(
         if getattr(entry, key) is not None
     }
     if isinstance(entry, AgentsCsvFile):
-        rows = _table(entry.file, directory, f"{path}.file", faults)
+        rows = table_rows(
+            entry.file, directory, f"{path}.file", faults,
+            needed=ENDS, known=(*ENDS, *NUMBERS, *WORDS, *WEIGHTS), most=MOST_AGENTS, read=_row,
+        )  # fmt: skip
         return [
             Listed(
                 row["id"],
@@ -213,80 +213,9 @@ def _along(line: list[list[float]], count: int) -> list[list[float]]:
     return found
 
 
-def _table(name: str, directory: Path, path: str, faults: list[Fault]) -> list[dict[str, Any]]:
-    """Checked values of every row of a CSV table."""
-    table = table_text(name, directory, path, faults)
-    if table is None:
-        return []
-    rows = table.rows()
-    found: list[dict[str, Any]] = []
-    bad: list[str] = []
-    try:
-        header = [cell.strip() for cell in next(rows, [])]
-        bad = _header_faults(header, table)
-        for row in () if bad else rows:
-            if not any(cell.strip() for cell in row):
-                continue
-            values, wrong = _row(header, [table.number(cell) for cell in row])
-            bad += [f"line {rows.line_num}: {sentence}" for sentence in wrong]
-            if not wrong:
-                found.append(values)
-            if len(found) > MOST_AGENTS or len(bad) > MOST_AGENTS:
-                bad.insert(0, f"has more than {MOST_AGENTS} rows")
-                break
-    except csv.Error as error:
-        bad.append(f"line {rows.line_num}: is not well-formed CSV: {error}")
-    if not bad and not found:
-        bad.append("there is no row after the header")
-    more = len(bad) - MOST_FAULTS
-    bad = bad[:MOST_FAULTS] + ([f"and {more} more faults"] if more > 0 else [])
-    faults += [(path, f"{name}: {sentence}") for sentence in bad]
-    return [] if bad else found
-
-
-def table_text(name: str, directory: Path, path: str, faults: list[Fault]) -> CsvTable | None:
-    """The CSV table of a name beside the scene; None with a new fault."""
-    source = directory / name
-    try:
-        if Path(name).is_absolute():
-            text = f"is {name!r}, an absolute path; one relative to the scene file is expected"
-            faults.append((path, text))
-            return None
-        if "\x00" in name or not source.is_file():
-            faults.append((path, f"there is no file {name!r} beside the scene"))
-            return None
-        if source.stat().st_size > LARGEST_TABLE:
-            faults.append((path, f"{name!r} is larger than {LARGEST_TABLE // 2**20} MiB"))
-            return None
-        return CsvTable.of(source.read_bytes())
-    except UnicodeDecodeError:
-        faults.append((path, f"{name!r} is not UTF-8; a text is expected"))
-    except OSError as error:
-        faults.append((path, f"{name[:100]!r} cannot be read: {error.strerror}"))
-    return None
-
-
-def _header_faults(header: list[str], table: CsvTable) -> list[str]:
-    known = (*ENDS, *NUMBERS, *WORDS, *WEIGHTS)
-    missing = [name for name in ENDS if name not in header]
-    if missing and len(header) == 1:
-        return [f"the header lacks {', '.join(missing)}; columns{table.separation(header)}"]
-    faults = [f"the header lacks {name}" for name in missing]
-    faults += [
-        f"the header has {name!r}; known columns are {', '.join(known)}"
-        for name in header
-        if name not in known
-    ]
-    if not faults and len(set(header)) < len(header):
-        faults.append("the header has a column twice")
-    return faults
-
-
-def _row(header: list[str], row: list[str]) -> tuple[dict[str, Any], list[str]]:
+def _row(row: Mapping[str, str]) -> tuple[dict[str, Any], list[str]]:
     """Checked values of one row and its faults; empty cells are left out."""
-    if len(row) != len(header):
-        return {}, [f"{len(row)} values; {len(header)} are expected"]
-    cells = {key: cell.strip() for key, cell in zip(header, row, strict=True) if cell.strip()}
+    cells = {key: cell for key, cell in row.items() if cell}
     values: dict[str, Any] = {}
     for key, cell in cells.items():
         place, _, weight = key.partition(".")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,7 +12,6 @@ import numpy as np
 
 from stplan.amounts import LARGEST, amount
 from stplan.arrays import Point
-from stplan.maps.reader import Floor, MapError
 from stplan.scene.format.agents import AgentFile
 from stplan.scene.format.file import SceneFile
 from stplan.scene.format.tasks import MOST_TASKS, TasksFile
@@ -21,11 +19,11 @@ from stplan.scene.model import Scene
 from stplan.scene.places import Place
 from stplan.scene.reading.draws import scattered
 from stplan.scene.reading.faults import Hints
-from stplan.scene.reading.patterns import Listed, table_text
+from stplan.scene.reading.patterns import Listed
 from stplan.scene.reading.places import Places
-from stplan.scene.reading.regions import OFF_WALLS, region_of
+from stplan.scene.reading.regions import OFF_WALLS, floor_of, region_of
+from stplan.scene.reading.tables import table_rows
 from stplan.scene.tasks import RobotTask
-from stplan.schema.csv_table import CsvTable
 from stplan.schema.mapping import Fault
 
 if TYPE_CHECKING:
@@ -33,8 +31,6 @@ if TYPE_CHECKING:
 
 _COLUMNS = ("agent", "x", "y", "service")
 _DRAWN = ("places", "points", "each", "shared")
-# Faults of a table that are shown.
-MOST_FAULTS = 20
 
 
 def with_tasks(
@@ -142,15 +138,10 @@ class _Spots:
         self.count = len(places) + len(points)
         if not places:
             return
-        floor: Floor | None = None
-        if scene.map is not None:
-            from stplan.maps.floor import read_floor
-
-            try:
-                floor = read_floor(scene.map)
-            except MapError as fault:
-                faults.append((fault.path, fault.text))
-                return
+        known = len(faults)
+        floor = floor_of(scene, faults)
+        if len(faults) > known:
+            return
         radius = max(agent.radius for agent in scene.agents)
         for k, place in enumerate(places):
             region = region_of(place, floor, OFF_WALLS * radius)
@@ -176,79 +167,32 @@ def _listed(
     scene: Scene, entry: TasksFile, directory: Path, faults: list[Fault], hints: Hints
 ) -> tuple[RobotTask, ...]:
     """The tasks of a table, in its order."""
-    name = entry.file or ""
-    table = table_text(name, directory, "tasks.file", faults)
-    if table is None:
-        return ()
-    tasks: list[RobotTask] = []
-    bad: list[str] = []
-    rows = table.rows()
+    names = [agent.id for agent in scene.agents]
+
+    def read(cells: dict[str, str]) -> tuple[RobotTask, list[str]]:
+        agent, wrong = cells.get("agent"), []
+        if agent is not None and agent not in names:
+            hint = hints(agent, names) or "; the id of one is expected"
+            wrong.append(f"agent is {agent!r}, which is no agent's id{hint}")
+        x, y = (_number(key, cells[key], -LARGEST, "a number of m", wrong) for key in ("x", "y"))
+        service = cells.get("service") or str(entry.service or 0.0)
+        stay = _number("service", service, 0.0, "a time in s", wrong)
+        return RobotTask(agent, (x, y), stay, "tasks.file"), wrong
+
+    return tuple(
+        table_rows(
+            entry.file or "", directory, "tasks.file", faults,
+            needed=("x", "y"), known=_COLUMNS, most=MOST_TASKS, read=read,
+        )
+    )  # fmt: skip
+
+
+def _number(key: str, cell: str, low: float, what: str, wrong: list[str]) -> float:
+    """The number of a cell, with a sentence among the `wrong` where it is none from `low` on."""
     try:
-        header = [cell.strip() for cell in next(rows, [])]
-        bad += _header_faults(header, table)
-        for row in () if bad else rows:
-            if not any(cell.strip() for cell in row):
-                continue
-            cells = dict(zip(header, (cell.strip() for cell in row), strict=False))
-            wrong = _row_faults(scene, header, row, table, hints)
-            bad += [f"line {rows.line_num}: {sentence}" for sentence in wrong]
-            if not wrong:
-                x, y, service = (
-                    float(table.number(cells.get(key) or fallback))
-                    for key, fallback in (
-                        ("x", ""),
-                        ("y", ""),
-                        ("service", str(entry.service or 0.0)),
-                    )
-                )
-                tasks.append(RobotTask(cells.get("agent"), (x, y), service, "tasks.file"))
-            if len(tasks) > MOST_TASKS or len(bad) > MOST_TASKS:
-                bad.insert(0, f"has more than {MOST_TASKS} rows")
-                break
-    except csv.Error as error:
-        bad.append(f"line {rows.line_num}: is not well-formed CSV: {error}")
-    if not bad and not tasks:
-        bad.append("there is no row after the header")
-    more = len(bad) - MOST_FAULTS
-    bad = bad[:MOST_FAULTS] + ([f"and {more} more faults"] if more > 0 else [])
-    faults += [("tasks.file", f"{name}: {sentence}") for sentence in bad]
-    return () if bad else tuple(tasks)
-
-
-def _header_faults(header: Sequence[str], table: CsvTable) -> list[str]:
-    missing = [key for key in ("x", "y") if key not in header]
-    if missing:
-        return [f"the header lacks {', '.join(missing)}; columns{table.separation(header)}"]
-    faults = [
-        f"the header has {name!r}; known columns are {', '.join(_COLUMNS)}"
-        for name in header
-        if name not in _COLUMNS
-    ]
-    if not faults and len(set(header)) < len(header):
-        faults.append("the header has a column twice")
-    return faults
-
-
-def _row_faults(
-    scene: Scene, header: Sequence[str], row: Sequence[str], table: CsvTable, hints: Hints
-) -> list[str]:
-    """What is wrong with one row."""
-    if len(row) != len(header):
-        return [f"{len(row)} values; {len(header)} are expected"]
-    faults = []
-    for key, cell in zip(header, (cell.strip() for cell in row), strict=True):
-        if key == "agent":
-            names = [agent.id for agent in scene.agents]
-            if cell not in names:
-                hint = hints(cell, names) or "; the id of one is expected"
-                faults.append(f"agent is {cell!r}, which is no agent's id{hint}")
-        elif key != "service" or cell:
-            low = 0.0 if key == "service" else -LARGEST
-            try:
-                value = float(table.number(cell))
-            except ValueError:
-                value = math.nan
-            if not low <= value <= LARGEST:
-                what = "a time in s" if key == "service" else "a number of m"
-                faults.append(f"{key} is {cell!r}; {what} is expected")
-    return faults
+        value = float(cell)
+    except ValueError:
+        value = math.nan
+    if not low <= value <= LARGEST:
+        wrong.append(f"{key} is {cell!r}; {what} is expected")
+    return value

@@ -103,17 +103,15 @@ class WayFinder:
         straight = self._checked(tuple(np.stack(pair) for pair in pairwise(stops)), radius)
         if straight is not None and straight.clearance > (1.0 + WIDE_MARGINS[0]) * radius:
             return straight
-        least = self._least(stops, radius)
-        if least is not None:
-            wide = self._at(stops, radius, WIDE_MARGINS[0])
-            if wide is not None and not _detours(wide, least, WIDE_MARGINS[0] * radius):
-                return wide
+        widest, least = self._at(stops, radius, WIDE_MARGINS[0]), self._least(stops, radius)
+        if widest and least and not _detours(widest, least, WIDE_MARGINS[0] * radius):
+            return widest
         narrow = self._at(stops, radius, NARROW_MARGIN)
         if narrow is None:
             ways = (self._at(stops, radius, margin) for margin in LAST_MARGINS)
             return next((way for way in ways if way is not None), straight)
         for margin in WIDE_MARGINS:
-            wide = self._at(stops, radius, margin)
+            wide = widest if margin == WIDE_MARGINS[0] else self._at(stops, radius, margin)
             if wide is not None and not _detours(wide, narrow, margin * radius):
                 return wide
         return narrow
@@ -122,7 +120,8 @@ class WayFinder:
         """The shortest way with so much room."""
         heed()
         if (radius, margin) not in self._areas:
-            self._areas[radius, margin] = _Area(self._space, radius, margin)
+            polygon = _with_room(self._space, radius, margin)
+            self._areas[radius, margin] = _Area(polygon, LONGEST_TIE * radius)
         legs = self._areas[radius, margin].legs(stops)
         return None if legs is None else self._checked(legs, radius)
 
@@ -131,8 +130,11 @@ class WayFinder:
 
         It costs little in a map of many corners, where it saves looking for the narrow way.
         """
+        heed()
         if radius not in self._outer:
-            self._outer[radius] = _Area(self._space, radius, 0.0, OUTER_PIECES)
+            # With the ends of the arcs' chords on the arcs it is wider than the space it stands for.
+            polygon = eroded(self._space.polygon, radius, quad_segs=OUTER_PIECES)
+            self._outer[radius] = _Area(polygon, LONGEST_TIE * radius)
         area = self._outer[radius]
         legs = area.legs(stops) if area.holds(stops) else None
         return None if legs is None else Way(legs, 0.0)
@@ -152,28 +154,25 @@ def _detours(wide: Way, narrow: Way, room: float) -> bool:
     return longer > TURNING_SHARE * room * turning + SAME_LENGTH * narrow.length
 
 
-class _Area:
-    """The free space less a radius and a margin of it, as a mesh."""
+def _with_room(space: FreeSpace, radius: float, margin: float) -> shapely.Geometry:
+    """The free space less a radius and a margin of it."""
+    # Ends of the arcs' chords lie so much further off that their middles keep the margin.
+    pieces = max(FEWEST_PIECES, math.ceil(math.pi / 4.0 / math.sqrt(margin)))
+    while True:
+        distance = radius * (1.0 + margin) / math.cos(math.pi / (4 * pieces))
+        heed()
+        polygon = eroded(space.polygon, distance, quad_segs=pieces)
+        if pieces <= 1 or shapely.get_num_coordinates(polygon) <= MOST_CORNERS:
+            return polygon
+        pieces //= 2
 
-    def __init__(
-        self, space: FreeSpace, radius: float, margin: float, pieces: int | None = None
-    ) -> None:
-        self._longest_tie = LONGEST_TIE * radius
-        if pieces is not None:
-            # With the ends of the arcs' chords on the arcs it is wider than the space it stands for.
-            self._polygon = eroded(space.polygon, radius * (1.0 + margin), quad_segs=pieces)
-            shapely.prepare(self._polygon)
-            return
-        # Ends of the arcs' chords lie so much further off that their middles keep the margin.
-        pieces = max(FEWEST_PIECES, math.ceil(math.pi / 4.0 / math.sqrt(margin)))
-        while True:
-            distance = radius * (1.0 + margin) / math.cos(math.pi / (4 * pieces))
-            heed()
-            self._polygon = eroded(space.polygon, distance, quad_segs=pieces)
-            if pieces <= 1 or shapely.get_num_coordinates(self._polygon) <= MOST_CORNERS:
-                break
-            pieces //= 2
-        shapely.prepare(self._polygon)
+
+class _Area:
+    """A polygon as a mesh; stops outside of it are tied to the nearest place inside, so far off at most."""
+
+    def __init__(self, polygon: shapely.Geometry, longest_tie: float) -> None:
+        self._polygon, self._longest_tie = polygon, longest_tie
+        shapely.prepare(polygon)
 
     @cached_property
     def _mesh(self) -> NavigationMesh:
