@@ -70,6 +70,45 @@ def roll(
     return fleet.rolled()
 
 
+class _Orders:
+    """The tasks that are left: everybody's own in their order, and those for whoever is free first."""
+
+    def __init__(self, scene: Scene, trips: Trips) -> None:
+        self._agents, self._trips = scene.agents, trips
+        self._own: list[deque[RobotTask]] = [deque() for _ in scene.agents]
+        index = {agent.id: a for a, agent in enumerate(scene.agents)}
+        for task in scene.tasks:
+            if task.agent is not None:
+                self._own[index[task.agent]].append(task)
+        self._shared = [task for task in scene.tasks if task.agent is None]
+
+    @property
+    def total(self) -> int:
+        """How many there are."""
+        return sum(map(len, self._own)) + len(self._shared)
+
+    def left(self, a: int) -> bool:
+        """Whether there is one for an agent."""
+        return bool(self._own[a] or self._shared)
+
+    def offered(self, a: int, here: FloatArray) -> list[RobotTask]:
+        """What an agent may do next: its own next task, or the shared ones nearest to `here` (2,)."""
+        if self._own[a]:
+            return [self._own[a][0]]
+        points = dict.fromkeys(task.at for task in self._shared)
+        near = sorted(points, key=lambda at: float(np.hypot(*(here - at))))[:NEAR]
+        lengths = {at: self._trips.steps(self._agents[a], here, at) for at in near}
+        chosen = sorted(near, key=lengths.__getitem__)[:TRIED]
+        return [next(task for task in self._shared if task.at == at) for at in chosen]
+
+    def take(self, a: int, task: RobotTask) -> None:
+        """An agent does a task that it was offered."""
+        if task.agent is None:
+            self._shared.remove(task)
+        else:
+            self._own[a].popleft()
+
+
 class _Fleet:
     """Where everybody is at every step of the grid of times, as far as it is planned."""
 
@@ -87,12 +126,7 @@ class _Fleet:
         # Steps beyond the end of a plan repeat its last place.
         self._places = np.repeat(starts[:, None], self._steps(WINDOW) + 1, axis=1)
         self._ends = np.zeros(count, dtype=np.int64)
-        self._tasks: list[deque[RobotTask]] = [deque() for _ in agents]
-        index = {agent.id: a for a, agent in enumerate(agents)}
-        for task in scene.tasks:
-            if task.agent is not None:
-                self._tasks[index[task.agent]].append(task)
-        self._shared = [task for task in scene.tasks if task.agent is None]
+        self._orders = _Orders(scene, self._trips)
         self._leaving = np.zeros(count, dtype=bool)
         # When a robot whose next task could not be planned asks for it again.
         self._again = np.zeros(count, dtype=np.int64)
@@ -154,18 +188,11 @@ class _Fleet:
 
     def _unfinished(self, a: int) -> bool:
         """Whether an agent has a task left, or is not planned to its goal."""
-        return bool(self._tasks[a] or self._shared) or not self._ends_at_goal(a)
+        return self._orders.left(a) or not self._ends_at_goal(a)
 
     def _next_tasks(self, a: int) -> list[RobotTask]:
-        """What an agent may do next: its own next task, or the nearest ones that are shared."""
-        if self._tasks[a]:
-            return [self._tasks[a][0]]
-        here = self._places[a, -1 if not self._leaving[a] else self._now]
-        points = dict.fromkeys(task.at for task in self._shared)
-        near = sorted(points, key=lambda at: float(np.hypot(*(here - at))))[:NEAR]
-        lengths = {at: self._trips.steps(self._scene.agents[a], here, at) for at in near}
-        chosen = sorted(near, key=lengths.__getitem__)[:TRIED]
-        return [next(task for task in self._shared if task.at == at) for at in chosen]
+        """What an agent may do next, from where its plan ends or where it turns round."""
+        return self._orders.offered(a, self._places[a, -1 if not self._leaving[a] else self._now])
 
     def _ends_at_goal(self, a: int) -> bool:
         x, y = self._places[a, -1].tolist()
@@ -177,10 +204,7 @@ class _Fleet:
         tasks = self._next_tasks(a)
         for task in tasks:
             if self._went(a, begin, task.at, self._steps(task.service)):
-                if task.agent is None:
-                    self._shared.remove(task)
-                else:
-                    self._tasks[a].popleft()
+                self._orders.take(a, task)
                 self._leaving[a] = False
                 return True
         if self._leaving[a] or (tasks and self._ends[a] > self._now) or self._ends_at_goal(a):
@@ -244,8 +268,8 @@ class _Fleet:
         """What is committed, once in a while."""
         if self._now - self._said >= self._steps(WINDOW):
             self._said = self._now
-            left = sum(map(len, self._tasks)) + len(self._shared)
-            progress(f"{self._begin + self._step * self._now:g} s: {left} tasks left to plan")
+            at = self._begin + self._step * self._now
+            progress(f"{at:g} s: {self._orders.total} tasks left to plan")
 
 
 def _touches(points: FloatArray, bodies: FloatArray, apart: FloatArray) -> bool:
