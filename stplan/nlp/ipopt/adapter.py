@@ -10,12 +10,14 @@ import numpy as np
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.errors import SolverError
+from stplan.nlp.ipopt.c_interface import problem_maker
 from stplan.nlp.ipopt.library import load_ipopt, package_version
 from stplan.nlp.solution import Iteration, Solution, WarmStart
 from stplan.nlp.step_control import StepControl
 from stplan.status import Status
 
 _IPOPT = load_ipopt()
+_problem = problem_maker(_IPOPT)
 
 # Ipopt's statuses that mean "done", and that its iterations are used up or that it was stopped.
 _SOLVED, _ACCEPTABLE = 0, 1
@@ -163,7 +165,7 @@ class Ipopt:
         """
         program = control.program
         callbacks = _Callbacks(control, stop)
-        handle = _IPOPT.Problem(
+        handle = _problem(
             n=program.num_variables,
             m=len(program.linear.least),
             problem_obj=callbacks,
@@ -234,9 +236,7 @@ def require_options(options: Mapping[str, Any]) -> None:
     """
     if not options:
         return
-    handle = _IPOPT.Problem(
-        n=1, m=0, problem_obj=_Nothing(), lb=np.zeros(1), ub=np.ones(1), cl=[], cu=[]
-    )
+    handle = _problem(n=1, m=0, problem_obj=_Nothing(), lb=np.zeros(1), ub=np.ones(1), cl=[], cu=[])
     for key, value in options.items():
         _set_option(handle, key, value)
 
@@ -249,6 +249,14 @@ class _Nothing:
 
     def gradient(self, x: FloatArray) -> FloatArray:
         return np.zeros(1)
+
+    def hessian(self, x: FloatArray, lagrange: FloatArray, factor: float) -> FloatArray:
+        return np.zeros(0)
+
+    def hessianstructure(self) -> tuple[IntArray, IntArray]:
+        return np.empty(0, np.int64), np.empty(0, np.int64)
+
+    jacobianstructure = hessianstructure
 
 
 def _set_option(handle: Any, key: str, value: Any) -> None:
