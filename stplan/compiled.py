@@ -1,8 +1,8 @@
 """The one place that decides how numerical kernels are compiled.
 
 numba compiles on first use and keeps the machine code on disk beside the sources (or in the
-user's cache folder where the installation is read-only), so only the first run pays. No fast-math
-and no threads: the same input gives the same bytes.
+user's cache folder where the installation is read-only), so only the first run pays. No fast-math,
+and no threads within a kernel: the same input gives the same bytes.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ OPTIONS = {"nopython": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 
 def kernel(function: Function) -> Function:
     """Compile `function`, which Python calls, to machine code on its first call, cached on disk."""
-    dispatcher = EntryDispatcher(function, targetoptions=dict(OPTIONS))
+    dispatcher = EntryDispatcher(function, targetoptions=OPTIONS | {"nogil": True})
     dispatcher.enable_caching()
     return cast(Function, dispatcher)
 

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 
 from stplan.certify.certificate import Certificate
 from stplan.files.atomic import write_set
+from stplan.files.details import DETAILS, MOST, split_details
 from stplan.files.json_file import json_bytes
 from stplan.files.manifest import KEY, manifest
+from stplan.files.npz_file import arrays_bytes
 from stplan.files.recorded import REPORT, RUN_RECORD
 from stplan.files.trajectories import curve_files
 from stplan.multistart import own_cost
@@ -75,7 +77,12 @@ def plan_files(result: Plan) -> dict[str, bytes]:
     curves = {"seed": result.seed}
     if result.trajectories is not None:
         curves["trajectories"] = result.trajectories
-    contents = curve_files(result.scene, curves) | {REPORT: json_bytes(result.report.as_dict())}
+    content = result.report.as_dict()
+    contents = curve_files(result.scene, curves)
+    if len(result.scene.agents) > MOST:
+        content, details = split_details(content)
+        contents[DETAILS] = arrays_bytes(details)
+    contents[REPORT] = json_bytes(content)
     return contents | {RUN_RECORD: json_bytes(result.run.as_dict() | {KEY: manifest(contents)})}
 
 

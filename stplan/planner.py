@@ -37,17 +37,12 @@ from stplan.problem.metric import sharpened, with_metric
 from stplan.problem.planning_problem import PlanningProblem, at_horizon, within
 from stplan.problem.world_lines import WorldLines
 from stplan.problem.worlds import space_of
-from stplan.report import (
-    OptimisationReport,
-    OptimisationTimes,
-    Report,
-    RunRecord,
-    SeedReport,
-)
+from stplan.report import OptimisationReport, OptimisationTimes, Report, RunRecord, SeedReport
 from stplan.scene.model import Scene
 from stplan.scene.moving_goals import is_play
 from stplan.seeding.portfolio import Seed
 from stplan.status import Status
+from stplan.threads import threads
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -107,7 +102,7 @@ def plan(
         stop: asked while there are curves to keep, after every iteration; True ends with the best
             feasible ones so far. `stplan.stopping` has one for handlers of signals.
         num_workers: processes that optimise blocks of many agents at the same time, forked off this one where
-            the system can; the plan is the same for any number.
+            the system can, and threads for other work; the plan is the same for any number.
         cluster: a client of a Dask cluster whose workers optimise the blocks instead.
 
     Raises:
@@ -116,10 +111,15 @@ def plan(
         SolverError: Ipopt lacks the linear solver or an option asked for.
         StoppedError: stopped before there were curves that keep all that the scene asks.
     """
-    progress, stop = progress or unheard, stop or never
-    workers = on_this_machine(num_workers) if cluster is None else on_cluster(cluster)
-    clock = Clock()
-    with clock.stage("world"):
+    with threads(num_workers):
+        workers = on_this_machine(num_workers) if cluster is None else on_cluster(cluster)
+        return _plan(scene, progress or unheard, live, stop or never, workers)
+
+
+def _plan(
+    scene: Scene, progress: Progress, live: LiveLine | None, stop: Stop, workers: WorkersFor
+) -> Plan:
+    with (clock := Clock()).stage("world"):
         problem = prepare(scene, progress)
     problem, rivals = _begun(problem, progress=progress, stop=stop, clock=clock)
     stop()  # The answer is heeded below; who is asked knows that from here on a plan is certain.

@@ -14,6 +14,8 @@ from typing import Any
 
 from stplan.errors import UsageError
 
+_ENCODER = json.JSONEncoder(ensure_ascii=False, allow_nan=False)
+
 
 def json_bytes(content: object) -> bytes:
     """`content` as UTF-8 JSON, ended by a line feed. Takes numpy scalars and arrays too."""
@@ -68,4 +70,4 @@ def _render(value: object, indent: str) -> str:
 
 
 def _scalar(value: object) -> str:
-    return json.dumps(value, ensure_ascii=False, allow_nan=False)
+    return _ENCODER.encode(value)

@@ -45,10 +45,7 @@ class NpzContent:
 
 
 def npz_bytes(lines: WorldLines, scene: Scene) -> bytes:
-    """`lines`, with what `scene` says of their agents, as an uncompressed .npz.
-
-    `numpy.savez` stamps every member with the time of writing, hence the zip by hand.
-    """
+    """`lines`, with what `scene` says of their agents, as an uncompressed .npz."""
     agents = {agent.id: agent for agent in scene.agents}
     arrays: dict[str, np.ndarray[Any, Any]] = {
         "agent_ids": np.array(lines.agent_ids, dtype=np.str_),
@@ -59,6 +56,14 @@ def npz_bytes(lines: WorldLines, scene: Scene) -> bytes:
         "time_scale": np.array(scene.time_scale, dtype="<f8"),
         "format": np.array(FORMAT, dtype="<i8"),
     }
+    return arrays_bytes(arrays)
+
+
+def arrays_bytes(arrays: Mapping[str, np.ndarray[Any, Any]]) -> bytes:
+    """`arrays` by name as an uncompressed .npz, the same bytes for the same arrays.
+
+    `numpy.savez` stamps every member with the time of writing, hence the zip by hand.
+    """
     whole = io.BytesIO()
     with zipfile.ZipFile(whole, "w", zipfile.ZIP_STORED) as archive:
         for name, array in arrays.items():

@@ -33,8 +33,8 @@ class RecordedReport:
         holds: whether the certificate does.
         clearances: least clearance (m) of everything demanded, by whom it concerns: two agents, or
             one and the walls.
-        others_above: what the clearance of every pair that is not listed exceeds (m), None where all
-            are listed.
+        others_above, walls_above: what the clearance of every pair that is not listed exceeds (m), and that
+            of every agent to walls which is not; None where all are listed.
         latest_arrival: s.
         costs: of every term at the end.
         iterations: of all outer iterations together.
@@ -49,6 +49,7 @@ class RecordedReport:
     holds: bool | None = None
     clearances: Mapping[tuple[str, ...], float] = field(default_factory=dict)
     others_above: float | None = None
+    walls_above: float | None = None
     latest_arrival: float | None = None
     kinetic_over_straight: float | None = None
     costs: Mapping[str, float] = field(default_factory=dict)
@@ -60,11 +61,12 @@ class RecordedReport:
         return min(self.clearances.values(), default=None)
 
     def clearance(self, who: tuple[str, ...], expected: float | None) -> float | None:
-        """That of `who`; of a pair that is not listed, what is nearest to `expected` of all it can be."""
+        """That of `who`; where it is not listed, what is nearest to `expected` of all it can be."""
         listed = self.clearances.get(who)
-        if listed is not None or self.others_above is None or expected is None or len(who) < 2:
+        above = self.others_above if len(who) > 1 else self.walls_above
+        if listed is not None or above is None or expected is None:
             return listed
-        return max(expected, self.others_above)
+        return max(expected, above)
 
 
 @dataclass(frozen=True)
@@ -106,8 +108,7 @@ def parse_report(content: Mapping[str, Any], path: Path) -> RecordedReport:
         certificate = content.get("certificate")
         holds = None if certificate is None else _flag(certificate["holds"])
         clearances = {} if certificate is None else _clearances(certificate)
-        others = None if certificate is None else certificate["pairs"].get("others")
-        others_above = None if others is None else float(others["clearance_above"])
+        above = {name: None if certificate is None else _above(certificate[name]) for name in _WHO}
     with _reading(path, "metrics"):
         metrics = content.get("metrics") or {}
         arrival, kinetic = metrics.get("latest_arrival"), metrics.get("kinetic_over_straight")
@@ -123,7 +124,8 @@ def parse_report(content: Mapping[str, Any], path: Path) -> RecordedReport:
         versions=content.get("versions") or {},
         holds=holds,
         clearances=clearances,
-        others_above=others_above,
+        others_above=above["pairs"],
+        walls_above=above["walls"],
         latest_arrival=arrival,
         kinetic_over_straight=kinetic,
         costs=content.get("costs") or {},
@@ -138,6 +140,12 @@ def parse_times(content: Mapping[str, Any], path: Path) -> RecordedTimes:
         began = None if started is None else datetime.fromisoformat(started)
     with _reading(path, "seconds"):
         return RecordedTimes(began, {**(content.get("seconds") or {})})
+
+
+def _above(table: Mapping[str, Any]) -> float | None:
+    """What clearances that a table does not list exceed, None where it lists all."""
+    others = table.get("others")
+    return None if others is None else float(others["clearance_above"])
 
 
 def _clearances(certificate: Mapping[str, Any]) -> dict[tuple[str, ...], float]:

@@ -18,6 +18,7 @@ from stplan.geometry.grid import Cells, cell_along, cells_of_box, make_cells, ma
 from stplan.geometry.growable import with_room
 from stplan.geometry.segments import space_time_point, squared_distance
 from stplan.geometry.sorting import counting_sort, sorted_pairs
+from stplan.threads import shares, together
 
 # Pieces this many reaches long keep the number of comparisons least: with pieces of length p, a
 # neighbourhood holds about (p + reach)^3 / p of them, and there are 1 / p to ask.
@@ -51,8 +52,11 @@ def near_segments(
     collides: BoolArray,
     reach: FloatArray,
     asked: BoolArray | None = None,
+    *,
+    factor: float = 1.0,
+    skin: float = 0.0,
 ) -> IntArray:
-    """Pairs of segments of colliding agents nearer than the pair's reach.
+    """Pairs of segments of colliding agents nearer than `factor` times the pair's reach, and the skin.
 
     Args:
         positions: (P, 3) points in (x, y, c t), m.
@@ -61,13 +65,15 @@ def near_segments(
         collides: (A, A) which pairs are asked for.
         reach: (A, A) in m.
         asked: (S,) only pairs with one of these segments, all by default.
+        skin: m.
 
     Returns:
         (N, 2) indices i, j of segments with agents[i] < agents[j], sorted.
     """
     if not collides.any():
         return np.empty((0, 2), dtype=np.int64)
-    furthest = float(reach.max(where=collides, initial=-np.inf))
+    # Of thousands of agents another square of all pairs takes as long as all the rest.
+    furthest = factor * float(reach.max(where=collides, initial=-np.inf)) + skin
     start = positions[segments[:, 0]]
     end = positions[segments[:, 1]]
     length = np.sqrt(((end - start) ** 2).sum(axis=1))
@@ -82,12 +88,30 @@ def near_segments(
         np.ascontiguousarray(start), np.ascontiguousarray(end), 0.5 * length / pieces, pieces,
         agents, everyone if asked is None else asked,
     )  # fmt: skip
-    return _near_pairs(cut, collides, reach, cells)
+    found = together(
+        _near_pairs,
+        [(cut, collides, reach, factor, skin, cells, *share) for share in shares(pieces)],
+    )
+    return found[0] if len(found) == 1 else _sorted(np.vstack(found), len(segments))
 
 
 @kernel
-def _near_pairs(cut: CutSegments, collides: BoolArray, reach: FloatArray, cells: Cells) -> IntArray:
-    """(N, 2) near pairs, sorted."""
+def _sorted(pairs: IntArray, num_segments: int) -> IntArray:
+    return sorted_pairs(pairs, num_segments)
+
+
+@kernel
+def _near_pairs(
+    cut: CutSegments,
+    collides: BoolArray,
+    reach: FloatArray,
+    factor: float,
+    skin: float,
+    cells: Cells,
+    head: int,
+    tail: int,
+) -> IntArray:
+    """(N, 2) near pairs, sorted, of which segments `head` to `tail` find the other one."""
     middles, places = _middles(cut, cells)
     starts, order = counting_sort(places, cells.total)
     # In the order of the cells, those of a run lie side by side.
@@ -107,7 +131,7 @@ def _near_pairs(cut: CutSegments, collides: BoolArray, reach: FloatArray, cells:
     nearest = cells.size * cells.size
     for k in range(len(middles)):
         i = places[k, 1]
-        if not cut.asked[i]:
+        if i < head or i >= tail or not cut.asked[i]:
             continue
         p = agents[i]
         x, y, z = middles[k, 0], middles[k, 1], middles[k, 2]
@@ -127,7 +151,7 @@ def _near_pairs(cut: CutSegments, collides: BoolArray, reach: FloatArray, cells:
                 # Two that are asked for find each other once, from the lower agent.
                 if p == q or (p > q and cut.asked[j]) or not collides[p, q] or last_hit[j] == i:
                     continue
-                limit = reach[p, q]
+                limit = factor * reach[p, q] + skin
                 room = limit + half[i] + half[j]
                 if squared > room * room:
                     continue

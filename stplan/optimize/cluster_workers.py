@@ -69,7 +69,7 @@ class _ClusterWorkers:
         try:
             if self._sent is None or self._sent.status != "finished":
                 self._sent = client.scatter(self._problem, broadcast=True, hash=False)
-            knots = client.scatter(self._problem.knots, broadcast=True, hash=False)
+            knots = client.scatter(self._problem.knots.copy(), broadcast=True, hash=False)
         except OSError:  # No worker is there, or all are going.
             return
         over: queue.SimpleQueue[int] = queue.SimpleQueue()

@@ -82,14 +82,25 @@ class DividedProblem:
     def __init__(self, problem: PlanningProblem, seed: WorldLines, stop: Stop) -> None:
         self.problem, self._seed, self.stop = problem, seed, stop
         self.formulation = formulate(problem, seed)
-        self.knots = seed.knots.copy()
         self.surveyor = Surveyor(problem, self.formulation)
+        self.knots = seed.knots.copy()
         self._watch = Stopwatch()
         self._iterations = self._nonzeros = 0
 
     def __getstate__(self) -> dict[str, Any]:
         """What travels to another machine, where nobody can be asked whether to stop."""
         return vars(self) | {"stop": never}
+
+    @property
+    def knots(self) -> FloatArray:
+        """(M, 3) everybody's as they are now."""
+        return self._knots
+
+    @knots.setter
+    def knots(self, knots: FloatArray) -> None:
+        self._knots = knots
+        # Of thousands of agents every look at all knots counts: there is one for every part.
+        self._boxes = self.surveyor.boxes(knots, np.arange(self.problem.num_agents))
 
     def optimise(self, part: Part, live: LiveLine | None = None) -> Optimisation | None:
         """Some agents in view of the others; None where they cannot be moved without touching somebody."""
@@ -118,20 +129,24 @@ class DividedProblem:
         lines = WorldLines.from_curves(problem.agent_ids, [self.curve(agent) for agent in members])
         view = VIEW
         for _ in range(MOST_VIEWS):
-            around = self.surveyor.around(self.knots, members, view, part.beside, part.strength)
+            around = self.surveyor.around(
+                self.knots, members, view, part.beside, part.strength, self._boxes
+            )
             found = optimise(
                 problem, lines, progress=unheard, stop=self.stop, begin=part.begin, live=live,
                 formulation=formulate(problem, lines, surroundings=around),
             )  # fmt: skip
-            moved = self._with(members, found.world_lines.curves())
-            if not len(self.surveyor.near(moved, members, 0.0).own):
+            moved = self.knots.copy()
+            self._put(moved, members, found.world_lines.curves())
+            boxes = self._boxes.renewed(members, self.surveyor.boxes(moved, members))
+            if not len(self.surveyor.near(moved, members, 0.0, boxes).own):
                 return members, found
             view *= 2.0
         return None
 
     def take(self, result: PartResult) -> None:
         """Move a part to where its optimisation led."""
-        self.knots = self._with(result.agents, result.curves)
+        self._move(result.agents, result.curves)
         self._count(result)
 
     def take_clear(self, result: PartResult, groups: IntArray) -> IntArray:
@@ -141,18 +156,17 @@ class DividedProblem:
         members of one are moved or none.
         """
         self._count(result)
-        moved, left = self._with(result.agents, result.curves), result.agents
+        before = {agent: self.curve(agent).copy() for agent in result.agents.tolist()}
+        self._move(result.agents, result.curves)
+        left = result.agents
         while len(left):
-            touching = self.formulation.rods.agents[self.surveyor.near(moved, left, 0.0).own]
+            near = self.surveyor.near(self.knots, left, 0.0, self._boxes)
+            touching = self.formulation.rods.agents[near.own]
             if not len(touching):
                 break
             stay = np.isin(groups[left], groups[touching])
             back, left = left[stay], left[~stay]
-            offsets = self.formulation.layout.offsets
-            for agent in back.tolist():
-                own = slice(offsets[agent], offsets[agent + 1])
-                moved[own] = self.knots[own]
-        self.knots = moved
+            self._move(back, [before[agent] for agent in back.tolist()])
         return np.setdiff1d(result.agents, left)
 
     def _count(self, result: PartResult) -> None:
@@ -165,12 +179,16 @@ class DividedProblem:
         offsets = self.formulation.layout.offsets
         return self.knots[offsets[agent] : offsets[agent + 1]]
 
-    def _with(self, agents: IntArray, curves: Iterable[FloatArray]) -> FloatArray:
-        """(M, 3) all knots, those of `agents` moved to `curves`."""
-        knots, offsets = self.knots.copy(), self.formulation.layout.offsets
+    def _move(self, agents: IntArray, curves: Iterable[FloatArray]) -> None:
+        """Put `agents` on `curves`."""
+        self._put(self._knots, agents, curves)
+        self._boxes = self._boxes.renewed(agents, self.surveyor.boxes(self._knots, agents))
+
+    def _put(self, knots: FloatArray, agents: IntArray, curves: Iterable[FloatArray]) -> None:
+        """Put the knots of `agents` among all (M, 3) on `curves`."""
+        offsets = self.formulation.layout.offsets
         for agent, curve in zip(agents.tolist(), curves, strict=True):
             knots[offsets[agent] : offsets[agent + 1]] = curve
-        return knots
 
     def in_view(self) -> IntArray:
         """(N, 2) pairs that collide and are in view of each other."""

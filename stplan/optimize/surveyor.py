@@ -37,6 +37,23 @@ class NearSegments(NamedTuple):
     other: IntArray
 
 
+class Boxes(NamedTuple):
+    """What every agent's rod stays within, in (x, y, c t).
+
+    Attributes:
+        low, high: (A, 3) m.
+    """
+
+    low: FloatArray
+    high: FloatArray
+
+    def renewed(self, agents: IntArray, boxes: Boxes) -> Boxes:
+        """With the `boxes` of some `agents` in the place of theirs."""
+        low, high = self.low.copy(), self.high.copy()
+        low[agents], high[agents] = boxes
+        return Boxes(low, high)
+
+
 class Surveyor:
     """Looks around agents of `problem`."""
 
@@ -61,16 +78,31 @@ class Surveyor:
         partners = [other for agent in agents.tolist() for other in self._partners.get(agent, ())]
         return np.unique(np.append(agents, np.array(partners, dtype=np.int64)))
 
-    def near(self, knots: FloatArray, agents: IntArray, view: float) -> NearSegments:
+    def boxes(self, knots: FloatArray, agents: IntArray) -> Boxes:
+        """Boxes around the rods of `agents` (B,) alone, (B, 3) each."""
+        scale = np.array([1.0, 1.0, self._rods.time_scale])
+        rows, starts = _rows(self._layout.first[agents], self._layout.num_segments[agents] + 1)
+        low = scale * np.minimum.reduceat(knots[rows], starts)
+        high = scale * np.maximum.reduceat(knots[rows], starts)
+        tails = self._tails[agents]
+        stays = tails >= 0
+        high[stays, 2] = np.maximum(high[stays, 2], self._ends(knots, tails[stays])[:, 1, 2])
+        return Boxes(low, high)
+
+    def near(
+        self, knots: FloatArray, agents: IntArray, view: float, boxes: Boxes | None = None
+    ) -> NearSegments:
         """Segments of others that come nearer than they keep, and `view` ranges more.
 
-        Of `agents` those are asked about that plan.
+        Of `agents` those are asked about that plan. `boxes` are those of all agents, where they are known.
         """
         rods, problem = self._rods, self._problem
         inside = np.zeros(problem.num_agents, dtype=bool)
         inside[agents] = True
         asked = inside & ~problem.prescribed
-        chosen = self._around(knots, asked, ~inside, view)
+        if boxes is None:
+            boxes = self.boxes(knots, np.arange(problem.num_agents))
+        chosen = self._around(knots, boxes, asked, ~inside, view)
         mine = asked[rods.agents[chosen]]
         if mine.all() or not mine.any():
             none = np.empty(0, dtype=np.int64)
@@ -106,13 +138,14 @@ class Surveyor:
         view: float,
         beside: IntArray | None = None,
         strength: float = 1.0,
+        boxes: Boxes | None = None,
     ) -> Surroundings | None:
-        """What is in view of `agents`; None where nobody is.
+        """What is in view of `agents`; None where nobody is. `boxes` as for `near`.
 
         From agents `beside` they keep half of what is between them as well. Barriers around those who plan,
         too, are `strength` times as strong.
         """
-        near = self.near(knots, agents, view)
+        near = self.near(knots, agents, view, boxes)
         pieces = self._pieces(knots, np.unique(near.other))
         if not pieces:
             return None
@@ -135,13 +168,13 @@ class Surveyor:
         return reach if self._wish is None or not view else reach + self._wish[chosen]
 
     def _around(
-        self, knots: FloatArray, asked: BoolArray, others: BoolArray, view: float
+        self, knots: FloatArray, boxes: Boxes, asked: BoolArray, others: BoolArray, view: float
     ) -> IntArray:
         """Segments of agents `asked` about, and those of `others` within reach of the box around them.
 
         Of all agents only the boxes around their rods are looked at.
         """
-        low, high = self._boxes(knots)
+        low, high = boxes
         reach = self._furthest_view(view)
         least = low[asked].min(axis=0, initial=np.inf) - reach
         greatest = high[asked].max(axis=0, initial=-np.inf) + reach
@@ -152,22 +185,12 @@ class Surveyor:
         within = (low <= greatest).all(axis=1) & (high >= least).all(axis=1)
         return chosen[asked[self._rods.agents[chosen]] | within]
 
-    def _boxes(self, knots: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """(A, 3) least and greatest coordinates of all rods in (x, y, c t), m."""
-        first, scale = self._layout.first, np.array([1.0, 1.0, self._rods.time_scale])
-        low = scale * np.minimum.reduceat(knots, first)
-        high = scale * np.maximum.reduceat(knots, first)
-        stays = self._tails >= 0
-        high[stays, 2] = np.maximum(high[stays, 2], self._ends(knots, self._tails[stays])[:, 1, 2])
-        return low, high
-
     def _segments_of(self, agents: IntArray) -> IntArray:
         """All segments of `agents`, sorted."""
         # Every agent before one has a knot more than segments.
         first, counts = self._layout.first[agents] - agents, self._layout.num_segments[agents]
-        within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
         tails = self._tails[agents]
-        return np.concatenate([np.repeat(first, counts) + within, np.sort(tails[tails >= 0])])
+        return np.concatenate([_rows(first, counts)[0], np.sort(tails[tails >= 0])])
 
     def _ends(self, knots: FloatArray, segments: IntArray) -> FloatArray:
         """(N, 2, 3) both ends of `segments` in (x, y, c t), m."""
@@ -219,6 +242,13 @@ class Surveyor:
         np.minimum.at(least, place, distance)
         row, column = np.divmod(codes, len(agents) + len(owners))
         return row, column, least
+
+
+def _rows(first: IntArray, counts: IntArray) -> tuple[IntArray, IntArray]:
+    """Runs of so many (B,) rows from `first` (B,) on, one after another, and where each begins."""
+    starts = np.cumsum(counts) - counts
+    rows: IntArray = np.arange(counts.sum()) + np.repeat(first - starts, counts)
+    return rows, starts
 
 
 def _shared(found: Surroundings, row: IntArray, column: IntArray, gap: FloatArray) -> Surroundings:

@@ -23,6 +23,7 @@ import numpy as np
 
 from stplan.optimize.parts import DividedProblem, Part, PartResult
 from stplan.signal_masks import held, release
+from stplan.threads import threads
 
 # Seconds after which a request to stop is noticed at the latest.
 _TICK = 0.2
@@ -98,11 +99,14 @@ class _Pool:
         self._knots = mmap.mmap(-1, problem.knots.nbytes)
         self._stopped = mmap.mmap(-1, 1)
         self._workers: list[_Worker] = []
+        # How often everybody's knots have been put into shared memory.
+        self._round = 0
 
     def optimise(self, parts: Sequence[Part], told: Told) -> list[PartResult | None]:
         if len(parts) == 1:
             return _Alone(self._problem).optimise(parts, told)
         self._knots[:] = self._problem.knots.tobytes()
+        self._round += 1
         while len(self._workers) < min(self._count, len(parts)):
             self._workers.append(self._forked())
         waiting = largest_first(self._problem, parts)
@@ -137,7 +141,7 @@ class _Pool:
                 worker.part = waiting.pop(0)
                 # One that is dead by now is noticed by what it fails to answer.
                 with suppress(OSError):
-                    worker.connection.send(parts[worker.part])
+                    worker.connection.send((self._round, parts[worker.part]))
 
     def _heard(self, parts: Sequence[Part]) -> list[tuple[int, PartResult | None]]:
         """What has been done in the meantime."""
@@ -182,12 +186,15 @@ class _Pool:
         release(signal.SIGINT, signal.SIGTERM)
         for other in others:
             other.close()
-        problem, shape = self._problem, self._problem.knots.shape
+        problem, shape, known = self._problem, self._problem.knots.shape, 0
         problem.stop = lambda: self._stopped[0] == 1
-        with suppress(EOFError, OSError):
+        # Threads are not forked, and every core has a process.
+        with threads(1), suppress(EOFError, OSError):
             while True:
-                part = connection.recv()
-                problem.knots = np.frombuffer(self._knots[:]).reshape(shape)
+                number, part = connection.recv()
+                if number != known:
+                    problem.knots = np.frombuffer(self._knots[:]).reshape(shape)
+                    known = number
                 try:
                     said: object = problem.optimised(part)
                 except Exception as error:

@@ -50,7 +50,7 @@ def rod_clearances(
     `required` defaults to R. The work grows linearly with the number of segments.
     """
     wanted = problem.distance if required is None else required
-    pairs, gaps = near_pairs(problem, agent_rods(problem, curves), reach * wanted)
+    pairs, gaps = near_pairs(problem, agent_rods(problem, curves), wanted, reach)
     limit = wanted[pairs[:, 0], pairs[:, 1]]
     broken = np.flatnonzero(gaps <= limit * STRICT)
     return RodClearances(
@@ -82,9 +82,12 @@ def agent_rods(problem: PlanningProblem, curves: Sequence[FloatArray]) -> list[l
 
 
 def near_pairs(
-    problem: PlanningProblem, pieces: Sequence[Sequence[FloatArray]], reach: FloatArray
+    problem: PlanningProblem,
+    pieces: Sequence[Sequence[FloatArray]],
+    reach: FloatArray,
+    factor: float = 1.0,
 ) -> tuple[IntArray, FloatArray]:
-    """Pairs (N, 2) of colliding agents nearer than the (A, A) `reach`, and their distance (N,)."""
+    """Pairs (N, 2) of colliding agents nearer than `factor` times (A, A) `reach`, and their distance (N,)."""
     positions = np.vstack([piece for own in pieces for piece in own])
     counts = np.array([len(piece) for own in pieces for piece in own])
     owners = np.repeat(np.arange(len(pieces)), [len(own) for own in pieces])
@@ -92,7 +95,7 @@ def near_pairs(
     first = np.setdiff1d(np.arange(len(positions)), ends)
     segments = np.column_stack([first, first + 1]).astype(np.int64)
     agents = np.repeat(owners, counts - 1).astype(np.int64)
-    near = near_segments(positions, segments, agents, problem.collides, reach)
+    near = near_segments(positions, segments, agents, problem.collides, reach, factor=factor)
     gaps = segment_distances(positions, segments, near)
     codes, inverse = np.unique(
         agents[near[:, 0]] * problem.num_agents + agents[near[:, 1]], return_inverse=True

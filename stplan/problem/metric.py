@@ -106,7 +106,7 @@ def _touching(problem: PlanningProblem) -> int:
     for agent, path in enumerate(problem.paths):
         start = [*problem.starts[agent], problem.time_scale * problem.start_times[agent]]
         pieces.append([np.array([start, start]) if path is None else problem.rod(agent, path)])
-    pairs, gaps = near_pairs(problem, pieces, APART * problem.distance)
+    pairs, gaps = near_pairs(problem, pieces, problem.distance, APART)
     return int((gaps <= APART * problem.distance[pairs[:, 0], pairs[:, 1]]).sum())
 
 

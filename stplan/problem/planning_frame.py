@@ -18,6 +18,7 @@ origin coordinates are off by their own rounding.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -147,8 +148,11 @@ class PlanningFrame:
 
 def share(value: float, unit: float) -> float:
     """`value` in `unit`, with as many digits as the grid has."""
-    fraction, exponent = np.frexp(value / unit)
-    return float(np.ldexp(np.round(fraction / GRID) * GRID, exponent))
+    quotient = float(value / unit)
+    if quotient == 0.0 or not math.isfinite(quotient):
+        return quotient
+    fraction, exponent = math.frexp(quotient)
+    return math.ldexp(round(fraction / GRID) * GRID, exponent)
 
 
 def _stops(agent: Agent) -> FloatArray:

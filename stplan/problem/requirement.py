@@ -33,7 +33,7 @@ def requirement(problem: PlanningProblem, margin: float) -> Requirement:
     near walls. The result is never below R.
     """
     pieces = [_fixed_pieces(problem, agent) for agent in range(problem.num_agents)]
-    pairs, gaps = near_pairs(problem, pieces, max(2.0 * margin - 1.0, 1.0) * problem.distance)
+    pairs, gaps = near_pairs(problem, pieces, problem.distance, max(2.0 * margin - 1.0, 1.0))
     excess = np.full_like(problem.distance, margin - 1.0)
     a, b = pairs.T
     left = 0.5 * (gaps / problem.distance[a, b] - 1.0)
@@ -61,7 +61,7 @@ def held_requirement(
     Moves that keep to it never bring a pair closer than both the requirement and the curves ask.
     """
     rods = full.rods.copy()
-    pairs, gaps = near_pairs(problem, agent_rods(problem, curves), 1.2 * rods)
+    pairs, gaps = near_pairs(problem, agent_rods(problem, curves), rods, 1.2)
     a, b = pairs.T
     held = problem.distance[a, b] + 0.9 * np.maximum(gaps - problem.distance[a, b], 0.0)
     rods[a, b] = np.minimum(rods[a, b], held)

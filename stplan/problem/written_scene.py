@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stplan.arrays import FloatArray, Point
+from stplan.arrays import BoolArray, FloatArray, IntArray, Point
 from stplan.problem.planning_frame import PlanningFrame, share
 from stplan.problem.world_lines import WorldLines
 from stplan.reasons import Reason
@@ -79,7 +80,7 @@ class WrittenScene:
             horizon=horizon,
             time_scale=share(scene.time_scale, frame.speed),
             turning=None if scene.turning is None else share(scene.turning, frame.speed),
-            agents=tuple(_local_agent(agent, frame) for agent in scene.agents),
+            agents=self._local_agents,
             pairs=tuple(_local_rule(rule, frame) for rule in scene.pairs),
             solver=_local_solver(scene.solver, frame),
             places=_local_places(scene.places, frame),
@@ -109,22 +110,19 @@ class WrittenScene:
         )
         return replace(self, scene=replace(self.scene, agents=agents))
 
+    @cached_property
+    def _local_agents(self) -> tuple[Agent, ...]:
+        """The agents in the frame."""
+        return tuple(_local_agent(agent, self.frame) for agent in self.scene.agents)
+
     def outside(self, lines: WorldLines) -> WorldLines:
         """Local `lines`, in scene order, as the user's; what is met in the frame is met to the last bit."""
-        curves = [
-            self.outside_curve(agent, local)
-            for agent, local in zip(self.scene.agents, lines.curves(), strict=True)
-        ]
-        return WorldLines.from_curves(lines.agent_ids, curves)
+        return _outside(self.scene.agents, self._local_agents, lines, self.frame)
 
     def outside_curve(self, agent: Agent, local: FloatArray) -> FloatArray:
         """A `local` curve (n, 3) of one agent of the scene as the user's, alike."""
-        curve = self.frame.curve(local)
-        if agent.path is None:
-            _meet(curve, local, agent, _local_agent(agent, self.frame))
-        else:
-            _follow(curve, local[:, 2], np.array(agent.path), self.frame)
-        return curve
+        lines = WorldLines.from_curves([agent.id], [local])
+        return _outside([agent], [_local_agent(agent, self.frame)], lines, self.frame).knots
 
     def outside_reason(self, reason: Reason) -> Reason:
         """A `reason` of the local problem with its place, times and figures as the user's."""
@@ -142,11 +140,12 @@ class WrittenScene:
         """The user's `lines`, in scene order, in the frame."""
         frame = self.frame
         curves = []
-        for agent, given in zip(self.scene.agents, lines.curves(), strict=True):
+        for agent, local, given in zip(
+            self.scene.agents, self._local_agents, lines.curves(), strict=True
+        ):
             curve = np.column_stack(
                 [frame.local_points(given[:, :2]), frame.local_times(given[:, 2])]
             )
-            local = _local_agent(agent, frame)
             if agent.path is None:
                 curve[0] = *local.start, local.start_time
                 if tuple(given[-1, :2]) == agent.goal:
@@ -175,17 +174,42 @@ def _figure(name: str, value: float, frame: PlanningFrame) -> float:
     return float(f"{value:.{FIGURE_DIGITS}g}")
 
 
-def _meet(curve: FloatArray, local: FloatArray, agent: Agent, own: Agent) -> None:
-    """Put a curve (n, 3) where `local` (n, 3) meets what the agent's `own` points and times are there."""
-    given = (agent.start, *agent.waypoints, agent.goal)
-    for point, place in zip(given, (own.start, *own.waypoints, own.goal), strict=True):
-        curve[np.abs(local[:, :2] - place).max(axis=1) <= SAME, :2] = point
-    for knot, time, met in (
-        (0, agent.start_time, own.start_time),
-        (-1, agent.max_time, own.max_time),
+def _outside(
+    agents: Sequence[Agent], local_agents: Sequence[Agent], lines: WorldLines, frame: PlanningFrame
+) -> WorldLines:
+    """Local `lines` of `agents`, which are `local_agents` in the frame, as the user's."""
+    local, offsets, knots = lines.knots, lines.offsets, frame.curve(lines.knots)
+    counts = np.diff(offsets)
+    at = _places([one.start for one in local_agents], counts, local)
+    knots[at, :2] = np.repeat([one.start for one in agents], counts, axis=0)[at]
+    for a, (agent, own) in enumerate(zip(agents, local_agents, strict=True)):
+        for point, place in zip(agent.waypoints, own.waypoints, strict=True):
+            rows = slice(offsets[a], offsets[a + 1])
+            at = np.abs(local[rows, :2] - place).max(axis=1) <= SAME
+            knots[rows][at, :2] = point
+    at = _places([one.goal for one in local_agents], counts, local)
+    knots[at, :2] = np.repeat([one.goal for one in agents], counts, axis=0)[at]
+    for ends, times, met in (
+        (
+            offsets[:-1],
+            [one.start_time for one in agents],
+            [one.start_time for one in local_agents],
+        ),
+        (offsets[1:] - 1, [one.max_time for one in agents], [one.max_time for one in local_agents]),
     ):
-        if abs(local[knot, 2] - met) <= SAME:
-            curve[knot, 2] = time
+        at = np.abs(local[ends, 2] - met) <= SAME
+        knots[ends[at], 2] = np.array(times)[at]
+    for a, agent in enumerate(agents):
+        if agent.path is not None:
+            rows = slice(offsets[a], offsets[a + 1])
+            knots[rows] = frame.curve(local[rows])
+            _follow(knots[rows], local[rows, 2], np.array(agent.path), frame)
+    return lines.with_knots(knots)
+
+
+def _places(places: Sequence[Point], counts: IntArray, local: FloatArray) -> BoolArray:
+    """(M,) which `local` knots (M, 3), so many an agent, are at the place of their agent."""
+    return np.abs(local[:, :2] - np.repeat(places, counts, axis=0)).max(axis=1) <= SAME
 
 
 def _follow(curve: FloatArray, times: FloatArray, path: FloatArray, frame: PlanningFrame) -> None:
@@ -198,13 +222,16 @@ def _follow(curve: FloatArray, times: FloatArray, path: FloatArray, frame: Plann
     curve[on_knot] = path[nearest[on_knot]]
 
 
-def _local_times(frame: PlanningFrame, time: float) -> float:
-    return float(frame.local_times(np.array([time]))[0])
+def _local_times(times: Sequence[float], frame: PlanningFrame) -> list[float]:
+    local: list[float] = frame.local_times(np.array(times, dtype=np.float64)).tolist()
+    return local
 
 
 def _local_points(points: Sequence[Point], frame: PlanningFrame) -> tuple[Point, ...]:
-    given = np.array(points, dtype=np.float64).reshape(-1, 2)
-    return tuple((float(x), float(y)) for x, y in frame.local_points(given))
+    if not points:
+        return ()
+    local = frame.local_points(np.array(points, dtype=np.float64).reshape(-1, 2)).tolist()
+    return tuple((x, y) for x, y in local)
 
 
 def _local_places(places: Sequence[Place], frame: PlanningFrame) -> tuple[Place, ...]:
@@ -214,11 +241,12 @@ def _local_places(places: Sequence[Place], frame: PlanningFrame) -> tuple[Place,
 def _local_window(window: Window | None, frame: PlanningFrame) -> Window | None:
     if window is None:
         return None
-    return _local_times(frame, window[0]), _local_times(frame, window[1])
+    begin, end = _local_times(window, frame)
+    return begin, end
 
 
 def _local_agent(agent: Agent, frame: PlanningFrame) -> Agent:
-    start, goal = _local_points((agent.start, agent.goal), frame)
+    start, goal, *waypoints = _local_points((agent.start, agent.goal, *agent.waypoints), frame)
     path = agent.path
     if path is not None:
         given = np.array(path)
@@ -227,16 +255,19 @@ def _local_agent(agent: Agent, frame: PlanningFrame) -> Agent:
             (float(x), float(y), float(t)) for (x, y), t in zip(places, times, strict=True)
         )
     wished = agent.preferred_time
+    start_time, max_time, *preferred = _local_times(
+        (agent.start_time, agent.max_time, *([] if wished is None else [wished])), frame
+    )
     return replace(
         agent,
         start=start,
         goal=goal,
-        start_time=_local_times(frame, agent.start_time),
-        max_time=_local_times(frame, agent.max_time),
-        preferred_time=None if wished is None else _local_times(frame, wished),
+        start_time=start_time,
+        max_time=max_time,
+        preferred_time=preferred[0] if preferred else None,
         radius=share(agent.radius, frame.length),
         mass=share(agent.mass, frame.mass),
-        waypoints=_local_points(agent.waypoints, frame),
+        waypoints=tuple(waypoints),
         weights=_local_weights(agent.weights, frame),
         path=path,
         max_speed=_optional(agent.max_speed, frame.speed),

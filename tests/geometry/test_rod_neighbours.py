@@ -49,6 +49,12 @@ def test_near_segments_equal_brute_force(rng_seed: int) -> None:
     found = near_segments(positions, segments, agents, collides, reach)
     assert found.tolist() == expected
     assert len(expected) > 20
+    assert (
+        near_segments(
+            positions, segments, agents, collides, 0.5 * reach - 0.1, factor=2.0, skin=0.2
+        ).tolist()
+        == expected
+    )
     asked = rng.random(len(segments)) < 0.3
     some = near_segments(positions, segments, agents, collides, reach, asked)
     assert some.tolist() == [pair for pair in expected if asked[pair].any()]

@@ -31,9 +31,11 @@ class BroadPhase(Protocol):
         collides: BoolArray,
         reach: FloatArray,
         asked: BoolArray | None = None,
+        *,
+        skin: float = 0.0,
     ) -> IntArray:
-        """(N, 2) pairs i, j with agents[i] < agents[j] nearer than `reach` (A, A) in m, sorted unless
-        only those with a segment that is `asked` (S,) for are wanted.
+        """(N, 2) pairs i, j with agents[i] < agents[j] nearer than `reach` (A, A) and `skin` in m, sorted
+        unless only those with a segment that is `asked` (S,) for are wanted.
         """
         ...
 
@@ -45,6 +47,8 @@ def brute_force(
     collides: BoolArray,
     reach: FloatArray,
     asked: BoolArray | None = None,
+    *,
+    skin: float = 0.0,
 ) -> IntArray:
     """All pairs are looked at: quadratic, for small scenes and for reaches without end."""
     i, j = np.triu_indices(len(agents), 1)
@@ -53,7 +57,7 @@ def brute_force(
     if asked is not None:
         keep &= asked[i] | asked[j]
     pairs = np.column_stack([i[keep], j[keep]])
-    limit = reach[agents[pairs[:, 0]], agents[pairs[:, 1]]]
+    limit = reach[agents[pairs[:, 0]], agents[pairs[:, 1]]] + skin
     if not np.isinf(limit).all():
         pairs = pairs[segment_distances(positions, segments, pairs) < limit]
     return pairs
@@ -129,7 +133,9 @@ class RodCandidates:
         rods = self.rods
         find = self.broad_phase if self._finite else brute_force
         asked = rods.moving if asked is None else asked
-        return find(positions, rods.segments, rods.agents, self.collides, self.reach + skin, asked)
+        return find(
+            positions, rods.segments, rods.agents, self.collides, self.reach, asked, skin=skin
+        )
 
     def _contacts(self, pairs: IntArray) -> ContactList:
         segments, agents = self.rods.segments, self.rods.agents

@@ -14,6 +14,7 @@ from stplan.geometry.grid import cells_of_box, fill, make_query
 from stplan.geometry.growable import with_room
 from stplan.geometry.segments import closest_of_segments
 from stplan.geometry.sorting import counting_sort
+from stplan.threads import shares, together
 
 # Cells of the grid for every segment, at most; larger cells are used where this would not do.
 CELLS_PER_SEGMENT = 8
@@ -73,7 +74,14 @@ def near_rows(
         widest: the `widest_reach` of `reach`, where it is known.
     """
     widest = widest_reach(collides, reach) if widest is None else widest
-    return Neighbours(*_near_rows(bodies, collides, reach, skin, widest, cell))
+    # Most of the work is with those that ask.
+    work = np.where(bodies.asking, 4, 1)
+    found = together(
+        _near_segments,
+        [(bodies, collides, reach, skin, widest, cell, *share) for share in shares(work)],
+    )
+    near = found[0] if len(found) == 1 else np.vstack(found)
+    return Neighbours(*_by_row(near, len(bodies.segments)))
 
 
 def near_edges(
@@ -86,15 +94,17 @@ def near_edges(
 
 
 @kernel
-def _near_rows(
+def _near_segments(
     bodies: Bodies,
     collides: BoolArray,
     reach: FloatArray,
     skin: float,
     widest: FloatArray,
     cell: float,
-) -> tuple[IntArray, IntArray]:
-    """Rows and members of the near segments."""
+    head: int,
+    tail: int,
+) -> IntArray:
+    """(N, 2) segments that ask and what is near, found from segments `head` to `tail`."""
     positions, segments, agents, asking = bodies
     low, high = _boxes(positions, segments)
     grid = fill(low, high, cell, CELLS_PER_SEGMENT * len(segments) + 64.0)
@@ -105,7 +115,7 @@ def _near_rows(
     # Both ways round, as far as they ask.
     near = new_integer_rows(16 * len(segments) + 64, 2)
     count = 0
-    for i in range(len(segments)):
+    for i in range(head, tail):
         a = agents[i]
         furthest = widest[a] + skin
         if not asking[i] or furthest <= 0.0:
@@ -118,20 +128,18 @@ def _near_rows(
             near = with_room(near, count + 2 * (past - begin))
             for k in range(begin, past):
                 j = grid.members[k]
-                b = agents[j]
                 # A pair that both ask for is found from the first of them.
-                if seen[j] == i or (j <= i and asking[j]) or not collides[a, b]:
+                if seen[j] == i or (j <= i and asking[j]):
                     continue
                 seen[j] = i
+                # Squares of all pairs are far away: they are asked about the few that may be near.
+                if _apart(low, high, i, j, furthest):
+                    continue
+                b = agents[j]
+                if not collides[a, b]:
+                    continue
                 limit = reach[a, b] + skin
-                if (
-                    low[j, 0] > high[i, 0] + limit
-                    or high[j, 0] < low[i, 0] - limit
-                    or low[j, 1] > high[i, 1] + limit
-                    or high[j, 1] < low[i, 1] - limit
-                    or low[j, 2] > high[i, 2] + limit
-                    or high[j, 2] < low[i, 2] - limit
-                ):
+                if _apart(low, high, i, j, limit):
                     continue
                 if closest_of_segments(positions, segments, i, j)[2] < limit * limit:
                     near[count, 0] = i
@@ -141,8 +149,27 @@ def _near_rows(
                         near[count, 0] = j
                         near[count, 1] = i
                         count += 1
-    rows, members = counting_sort(near[:count], len(segments))
-    for k in range(count):
+    return near[:count]
+
+
+@inlined
+def _apart(low: FloatArray, high: FloatArray, i: int, j: int, limit: float) -> bool:
+    """Whether two boxes are further than `limit` apart along an axis."""
+    return (
+        low[j, 0] > high[i, 0] + limit
+        or high[j, 0] < low[i, 0] - limit
+        or low[j, 1] > high[i, 1] + limit
+        or high[j, 1] < low[i, 1] - limit
+        or low[j, 2] > high[i, 2] + limit
+        or high[j, 2] < low[i, 2] - limit
+    )
+
+
+@kernel
+def _by_row(near: IntArray, num_segments: int) -> tuple[IntArray, IntArray]:
+    """Rows and members of the (N, 2) segments that ask and what is near."""
+    rows, members = counting_sort(near, num_segments)
+    for k in range(len(near)):
         members[k] = near[members[k], 1]
     return rows, members
 
