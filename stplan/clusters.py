@@ -19,6 +19,9 @@ LOCAL = "local"
 PATIENCE = "10s"
 # Seconds after which a request to stop, or the loss of the scheduler, is noticed at the latest.
 TICK = 0.5
+# What workers of this machine do with memory that is not needed for a moment: they keep it, as any process
+# does. Dask has it given back at once, and asked for again, which would take a fifth of a worker's time.
+KEEPING = {"MALLOC_TRIM_THRESHOLD_": 128 << 20, "MALLOC_MMAP_THRESHOLD_": 32 << 20}
 # MUMPS, the linear solver, keeps state of its own: one at a time in a process of a worker.
 ALONE = threading.Lock()
 
@@ -31,12 +34,19 @@ def connected(address: str, jobs: int) -> Iterator[Client]:
         UsageError: there is no Dask, or no scheduler at the address.
     """
     try:
+        import dask
         from distributed import Client, LocalCluster
     except ImportError as error:
         raise UsageError("--dask needs Dask: pip install 'stplan[dask]'") from error
     if address == LOCAL:
         # One thread a worker; a killed one is told by the outcome, not by pages of log.
         with (
+            dask.config.set(
+                {
+                    f"distributed.nanny.pre-spawn-environ.{name}": amount
+                    for name, amount in KEEPING.items()
+                }
+            ),
             LocalCluster(
                 n_workers=jobs, threads_per_worker=1, dashboard_address=None,
                 silence_logs=logging.CRITICAL,

@@ -22,6 +22,7 @@ from stplan.nlp.term import Capability
 from stplan.optimize.assembly import formulate, padding
 from stplan.optimize.continuation import LiveLine, Optimisation, OuterIteration, optimise
 from stplan.optimize.cost_scales import CostScales, written_costs
+from stplan.optimize.scales import pair_reaches
 from stplan.optimize.surveyor import Surveyor
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.restriction import restricted
@@ -88,8 +89,22 @@ class DividedProblem:
         self._iterations = self._nonzeros = 0
 
     def __getstate__(self) -> dict[str, Any]:
-        """What travels to another machine, where nobody can be asked whether to stop."""
-        return vars(self) | {"stop": never}
+        """What travels to another machine, where nobody can be asked whether to stop.
+
+        What takes a square of all pairs is made there.
+        """
+        scales = replace(self.formulation.scales, pair_reach=np.empty((0, 0)))
+        formulation = replace(self.formulation, scales=scales)
+        gone = {"surveyor": None, "_boxes": None, "_knots": None}
+        return vars(self) | gone | {"stop": never, "formulation": formulation}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        reach = pair_reaches(self.problem, self.problem.distance)
+        scales = replace(self.formulation.scales, pair_reach=reach)
+        self.formulation = replace(self.formulation, scales=scales)
+        self.surveyor = Surveyor(self.problem, self.formulation)
+        self.knots = self._seed.knots
 
     @property
     def knots(self) -> FloatArray:

@@ -33,6 +33,14 @@ LEAST_SHARE, STANDING_SHARE = 0.1, 1e-6
 RANGE_SHARE = 0.25
 
 
+def pair_reaches(problem: PlanningProblem, distance: FloatArray) -> FloatArray:
+    """Clearance at which repulsion starts of pairs that keep a `distance`, m, of any shape; alike."""
+    barrier_range = problem.scene.solver.barrier_range
+    if barrier_range is None:
+        return RANGE_SHARE * distance
+    return np.full_like(distance, barrier_range)
+
+
 def derive_scales(
     problem: PlanningProblem,
     layout: KnotLayout,
@@ -75,9 +83,7 @@ def derive_scales(
         regularity=regularity,
         kinetic=np.maximum(weights, worth),
         stiffness=np.maximum(weights, worth) * masses * layout.num_segments / durations,
-        pair_reach=RANGE_SHARE * kept
-        if barrier_range is None
-        else np.full_like(kept, barrier_range),
+        pair_reach=pair_reaches(problem, kept),
         wall_reach=RANGE_SHARE * 2 * radii
         if barrier_range is None
         else np.full_like(radii, barrier_range),

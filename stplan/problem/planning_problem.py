@@ -7,9 +7,9 @@ scene is planned. Arrays are over the A agents in scene order.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -107,6 +107,18 @@ class PlanningProblem:
                 for agent in agents
             ),
         )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The fields alone, without squares of all pairs that the scene says."""
+        state = {one.name: getattr(self, one.name) for one in fields(self)}
+        if self.interactions.equals(scene_interactions(self.scene)):
+            del state["interactions"]
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        if "interactions" not in state:
+            state["interactions"] = scene_interactions(state["scene"])
+        vars(self).update(state)
 
     @property
     def frame(self) -> PlanningFrame:

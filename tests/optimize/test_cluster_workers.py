@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import signal
 import threading
 import time
@@ -104,3 +105,24 @@ def test_a_whole_plan(client: Client) -> None:
     assert there.trajectories is not None
     assert there.certificate.holds
     assert np.array_equal(here.trajectories.knots, there.trajectories.knots)
+
+
+def test_what_travels_has_no_square_of_all_pairs_and_is_the_same_there(
+    divided: DividedProblem,
+) -> None:
+    there: DividedProblem = pickle.loads(pickle.dumps(divided))
+    assert np.array_equal(there.knots, divided.knots)
+    assert there.problem.interactions.equals(divided.problem.interactions)
+    assert np.array_equal(
+        there.formulation.scales.pair_reach, divided.formulation.scales.pair_reach
+    )
+    problem = prepare(wide.wide_field(300))
+    assert len(pickle.dumps(problem)) < problem.distance.nbytes
+
+
+def test_distances_that_the_scene_does_not_say_travel_too(divided: DividedProblem) -> None:
+    own = replace(divided.problem.interactions, distance=1.5 * divided.problem.distance)
+    problem = replace(divided.problem, interactions=own)
+    there = pickle.loads(pickle.dumps(problem))
+    assert there.interactions.equals(own)
+    assert not there.interactions.equals(divided.problem.interactions)
