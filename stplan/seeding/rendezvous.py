@@ -17,6 +17,7 @@ from stplan.arrays import FloatArray, IntArray
 from stplan.deadline import heed
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.interactions import Meeting
+from stplan.scene.model import Agent
 
 # Candidates in the open: so many along every way, and so many from one way to the other.
 ALONG = 25
@@ -28,6 +29,8 @@ DIRECTIONS = 16
 BESIDE = 1.25
 # Places keep so many radii from the walls.
 ROOM = 1.1
+# Ways take so many times as long as limits of motion allow: the first of these that leaves a choice.
+SPARES = (1.1, 1.0, 0.0)
 
 # Lengths of shortest ways (P, C) from points (P, 2) to the candidates, for an agent.
 Distances = Callable[[int, FloatArray], FloatArray]
@@ -96,13 +99,17 @@ def _place(
     movers = [b] if path is not None else [a, b]
     stops = {agent: itineraries[agent].stops for agent in movers}
     candidates, distances = _candidates(problem, stops, positions)
-    by_leg = {
-        agent: _costs(problem, agent, itineraries[agent], distances, times) for agent in movers
-    }
-    total = np.sum([cost.min(axis=0) for cost in by_leg.values()], axis=0)
-    if positions is not None:
-        # It is at a candidate at that candidate's time only.
-        total = np.where(np.eye(len(times), dtype=bool), total, np.inf)
+    for spare in SPARES:
+        by_leg = {
+            agent: _costs(problem, agent, itineraries[agent], distances, times, spare)
+            for agent in movers
+        }
+        total = np.sum([cost.min(axis=0) for cost in by_leg.values()], axis=0)
+        if positions is not None:
+            # It is at a candidate at that candidate's time only.
+            total = np.where(np.eye(len(times), dtype=bool), total, np.inf)
+        if np.isfinite(total).any():
+            break
     if not len(candidates) or not np.isfinite(total).any():
         return None
     c, k = np.unravel_index(int(total.argmin()), total.shape)
@@ -190,13 +197,19 @@ def _costs(
     own: _Itinerary,
     distances: Distances,
     times: FloatArray,
+    spare: float,
 ) -> FloatArray:
-    """(legs, C, T) least kinetic cost of passing a candidate on a leg at a time, inf at other times."""
+    """(legs, C, T) least kinetic cost of passing a candidate on a leg at a time.
+
+    Infinite where that is out of the order of its times, or its ways there and on, taken `spare` times as
+    long as they are, ask for more than its limits of motion.
+    """
     to_stop = distances(agent, own.stops)
     steps = np.hypot(*np.diff(own.stops, axis=0).T)
     along = np.concatenate([[0.0], np.cumsum(steps)])
     timed = np.flatnonzero(np.isfinite(own.times))
     mass = 0.5 * float(problem.masses[agent])
+    moving = problem.scene.agents[agent]
     costs = []
     for leg in range(len(own.stops) - 1):
         before, after = timed[timed <= leg].max(), timed[timed > leg].min()
@@ -204,12 +217,24 @@ def _costs(
         second = to_stop[leg + 1] + along[after] - along[leg + 1]
         early, late = times - own.times[before], own.times[after] - times
         possible = (early > 0) & (late > 0)
+        possible = possible & (early >= spare * _least(moving, first))
+        possible = possible & (late >= spare * _least(moving, second))
         early, late = np.where(possible, early, 1.0), np.where(possible, late, 1.0)
         # What the piece costs without the detour counts in every choice, so only the rest compares.
         least = (along[after] - along[before]) ** 2 / (own.times[after] - own.times[before])
         cost = first[:, None] ** 2 / early + second[:, None] ** 2 / late - least
         costs.append(np.where(possible, mass * cost, np.inf))
     return np.array(costs)
+
+
+def _least(agent: Agent, lengths: FloatArray) -> FloatArray:
+    """(C, 1) how long ways of `lengths` (C,) take at least, s: one end may be passed at full speed."""
+    least = 0.0 * lengths
+    if agent.max_speed is not None:
+        least = lengths / agent.max_speed
+    if agent.max_acceleration is not None:
+        least = np.maximum(least, np.sqrt(2.0 * lengths / agent.max_acceleration))
+    return np.asarray(least)[:, None]
 
 
 def _beside(

@@ -87,3 +87,20 @@ def test_nobody_goes_where_no_time_is_common() -> None:
     problem, found = places(agents, MEET % "")
     assert found == ()
     assert all(len(own) == 0 for own in problem.waypoints)
+
+
+@pytest.mark.parametrize("limit", ["max_speed: 1.0", "max_acceleration: 0.4"])
+def test_places_are_reached_within_limits_of_motion(limit: str) -> None:
+    # Without limits the light one would come all the way.
+    agents = (FAR % 100).replace("goal: [9, 0]", f"goal: [9, 0], {limit}")
+    problem, (place,) = places(agents, MEET % ", window: [4, 6]")
+    way = float(np.hypot(*(place.places[0] - problem.starts[0])))
+    least = way if "speed" in limit else np.sqrt(2 * way / 0.4)
+    assert place.time >= least
+    assert way > 3.0
+
+
+def test_where_limits_leave_no_time_there_is_a_place_all_the_same() -> None:
+    agents = (FAR % 1).replace("goal: [9, 0]", "goal: [9, 0], max_speed: 0.45")
+    _, found = places(agents, MEET % "")
+    assert len(found) == 1
