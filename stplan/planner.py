@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from stplan.analysis.arrival_gap import arrival_gap
@@ -16,7 +17,7 @@ from stplan.analysis.metrics import metrics
 from stplan.callbacks import Progress, Stop, never, unheard
 from stplan.certify.certificate import Certificate, certify
 from stplan.clock import Clock
-from stplan.compiled import compiled_before
+from stplan.compiled import compiled_before, working_time
 from stplan.errors import BrokenSeedError, SeedingError, StoppedError, UsageError
 from stplan.geometry.rod_distances import segment_distances
 from stplan.hastening import arrivals_of, hasten, with_ample_horizon
@@ -37,6 +38,7 @@ from stplan.problem.metric import sharpened, with_metric
 from stplan.problem.planning_problem import PlanningProblem, at_horizon, within
 from stplan.problem.world_lines import WorldLines
 from stplan.problem.worlds import space_of
+from stplan.punctuality import punctual_seeds
 from stplan.report import OptimisationReport, OptimisationTimes, Report, RunRecord, SeedReport
 from stplan.scene.model import Scene
 from stplan.scene.moving_goals import is_play
@@ -189,17 +191,13 @@ def improve(
             metrics=metrics(result.scene, found.world_lines),
             optimisation=OptimisationReport.of(result.scene, found.optimisation),
         )
-        if content.bound is not None:
-            known = content.bound
+        if (known := content.bound) is not None:
             bound = bound_with(result.scene, found.world_lines, known.least, known.together)
             content = replace(content, bound=bound)
     if found.interrupted:
         content = replace(content, status=Status.INTERRUPTED)
     return replace(
-        result,
-        trajectories=found.world_lines,
-        report=content,
-        run=result.run.and_then(clock),
+        result, trajectories=found.world_lines, report=content, run=result.run.and_then(clock)
     )
 
 
@@ -285,11 +283,13 @@ def find_initial_curves(
     with clock.stage("seed"):
         if not compiled_before(segment_distances):
             progress("compiling, once after installation: this takes about a quarter of a minute")
+        deadline = working_time() + problem.scene.seeding.time_limit
         contest = best_seeds(problem, progress=progress)
     earlier = [] if contest.horizon is None else [within(problem, contest.horizon)]
     found: list[InitialCurves] = []
     violations: tuple[str, ...] = ()
-    for seed in contest.seeds:
+    late = punctual_seeds(problem, deadline, progress=progress, stop=lambda: bool(found) or stop())
+    for seed in chain(contest.seeds, late):
         if len(found) == (most or contest.finalists) or (found and stop()):
             break
         for given in (*earlier, problem):
@@ -308,7 +308,7 @@ def find_initial_curves(
                 break
         violations = violations or certificate.violations
     if not found:
-        raise BrokenSeedError(violations)
+        raise StoppedError if stop() else BrokenSeedError(violations)
     return found
 
 
