@@ -29,8 +29,8 @@ FEW_ITEMS = 20_000
 class _Crew:
     """`count` threads, this one among them; the others are there once they are needed."""
 
-    def __init__(self, count: int) -> None:
-        self.count = count
+    def __init__(self, count: int, few: int) -> None:
+        self.count, self.few = count, few
         self._pool: ThreadPoolExecutor | None = None
 
     @property
@@ -52,9 +52,12 @@ _crew: ContextVar[_Crew | None] = ContextVar("crew", default=None)
 
 
 @contextmanager
-def threads(count: int) -> Iterator[None]:
-    """Within, kernels are called in `count` threads at once, where they are called on parts."""
-    crew = _Crew(count) if count > 1 else None
+def threads(count: int, few: int = FEW_ITEMS) -> Iterator[None]:
+    """Within, kernels are called in `count` threads at once, where they are called on parts.
+
+    Work of less than a `few` items is not shared out.
+    """
+    crew = _Crew(count, few) if count > 1 else None
     token = _crew.set(crew)
     try:
         yield
@@ -64,13 +67,22 @@ def threads(count: int) -> Iterator[None]:
             crew.dismiss()
 
 
-def shares(work: IntArray | FloatArray) -> list[tuple[int, int]]:
-    """Items with so much `work` (n,) each, cut into as many runs of about equal work as there are threads."""
+def num_threads(items: int) -> int:
+    """How many threads work on so many items is shared out to."""
     crew = _crew.get()
-    if crew is None or len(work) < FEW_ITEMS:
+    return 1 if crew is None or items < crew.few else crew.count
+
+
+def shares(work: IntArray | FloatArray, count: int | None = None) -> list[tuple[int, int]]:
+    """Items with so much `work` (n,) each, cut into runs of about equal work, at most `count`.
+
+    As many as there are threads for them by default.
+    """
+    count = num_threads(len(work)) if count is None else count
+    if count == 1:
         return [(0, len(work))]
     done = np.cumsum(work)
-    cuts = np.searchsorted(done, done[-1] * np.arange(1, crew.count) / crew.count) + 1
+    cuts = np.searchsorted(done, done[-1] * np.arange(1, count) / count) + 1
     edges = np.unique(np.concatenate([[0], cuts, [len(work)]])).tolist()
     return list(pairwise(edges))
 

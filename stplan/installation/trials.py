@@ -24,6 +24,7 @@ from stplan.seeding.search.levels import Levels
 from stplan.seeding.search.way_timing import timed_way
 from stplan.seeding.seeder import Budget
 from stplan.seeding.shortcutting.pacing import paced
+from stplan.threads import threads
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -131,6 +132,8 @@ def compile_kernels(progress: Watch | None = None) -> tuple[str, ...]:
                 planner.plan(parse_scene(text))
             tell()
         _search_jointly(Levels(planner.prepare(parse_scene(_ROOM))))
+        with threads(2, few=0):
+            planner.seed(parse_scene(_OPEN))
         for text in (_OPEN, _ROOM):
             _keep_to_ways(planner.prepare(parse_scene(text)))
         scene = parse_scene(_crowd_text(_CROWD))

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stplan.arrays import BoolArray, FloatArray
+from stplan.arrays import BoolArray, FloatArray, IntArray
 from stplan.callbacks import Stop
 from stplan.deadline import passed
 from stplan.problem.clearance import wall_clearance
@@ -23,12 +23,14 @@ from stplan.problem.requirement import Requirement
 from stplan.problem.verification import verify
 from stplan.seeding.elastic_bands.band_neighbours import (
     Bodies,
+    Neighbours,
     near_edges,
     near_rows,
     tight_pairs,
     widest_reach,
 )
 from stplan.seeding.elastic_bands.bands import Bands, initial_curves
+from stplan.seeding.elastic_bands.simultaneous import near_agents, rounds
 from stplan.seeding.elastic_bands.sweeps import (
     Contacts,
     WallContacts,
@@ -36,6 +38,7 @@ from stplan.seeding.elastic_bands.sweeps import (
     sweep_bands,
 )
 from stplan.seeding.seeder import SeedAttempt, SeedRecord
+from stplan.threads import num_threads, shares, together
 
 NAME = "relaxation"
 # Knots of a band while it relaxes, and sweeps at most.
@@ -157,6 +160,7 @@ class _Relaxation:
         self.sweeps = self.retensions = self.progress_at = 0
         self.fewest = np.inf
         self.guarded = np.zeros(problem.num_agents, dtype=bool)
+        self._related: Neighbours | None = None
         self._list_neighbours()
         self.guarded[:] = self._clear_of_walls()
         self.tension = float(np.clip(TENSION_CROWDED * self._crowding(), TENSION, MOST_TENSION))
@@ -169,16 +173,33 @@ class _Relaxation:
         """One sweep in random order; neighbours are listed anew when somebody has moved far."""
         grown = min(1.0, (self.sweeps + 1) / GROWING_SWEEPS)
         decayed = self.tension * DECAY ** np.maximum(self.age - HELD_SWEEPS, 0.0)
-        moved = sweep_bands(
-            self.rng.permutation(self.movable), self.bands, self.contacts, self.wall_contacts,
-            np.maximum(decayed, LEAST_TENSION), grown, self.sweeps > IDLE_SWEEPS,
-        )  # fmt: skip
+        moved = self._move(self.rng.permutation(self.movable), decayed, grown)
         if grown == 1.0:
             self.age += self.pace
         self.sweeps += 1
         if moved > 0.5 * self.skin:
             self._adapt_skin()
             self._list_neighbours()
+
+    def _move(self, order: IntArray, tension: FloatArray, grown: float) -> float:
+        """Move all in `order`, at once where that is the same; returns the largest move since listing, m."""
+        settings = (
+            self.bands, self.contacts, self.wall_contacts, np.maximum(tension, LEAST_TENSION), grown,
+            self.sweeps > IDLE_SWEEPS,
+        )  # fmt: skip
+        count = num_threads(len(self.bands.positions))
+        if count == 1:
+            return sweep_bands(order, *settings)
+        moved = [0.0]
+        if self._related is None:
+            near, owners = self.contacts, self.bands.agents
+            self._related = Neighbours(
+                *near_agents(owners, near.rows, near.members, self.problem.num_agents)
+            )
+        for chosen, at_once in rounds(order, self._related):
+            runs = shares(self.bands.num_knots[chosen], count if at_once else 1)
+            moved += together(sweep_bands, [(chosen[i:j], *settings) for i, j in runs])
+        return max(moved)
 
     def _crowding(self) -> float:
         """The part of their ways on which agents touch somebody at first, roughly."""
@@ -281,6 +302,7 @@ class _Relaxation:
         """List segments and boundary edges that may come within their targets."""
         bands, problem = self.bands, self.problem
         self.listed_at = self.sweeps
+        self._related = None
         heads = bands.positions[bands.segments[:, 0]]
         tails = bands.positions[bands.segments[:, 1]]
         # Tails are listed too: they push nothing, but may stand in the way of a given path.
