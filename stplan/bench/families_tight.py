@@ -6,6 +6,7 @@ False. `FAMILIES` names them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -214,11 +215,16 @@ def cabin(rng: np.random.Generator, *, depth: int = 0, passengers: int = 0, rows
 
 
 def pillars(rng: np.random.Generator, *, agents: int = 0) -> Scene:
-    """16 or 24 agents cross a hall of square pillars with single-lane gaps, from all four sides."""
+    """16 or 24 agents cross a hall of square pillars with single-lane gaps, from all four sides.
+
+    The hall is as wide as it takes for them to stand along its sides, and there is time in proportion.
+    """
     agents = agents or int(rng.choice([16, 24]))
     gap = RADIUS * float(rng.uniform(2.2, 2.7))
     block = RADIUS * float(rng.uniform(2.0, 4.0))
-    count = 5
+    per_side = agents // 4
+    row = (per_side - 1) * 2.4 * RADIUS
+    count = max(5, math.ceil((row + gap) / (block + gap)))
     margin = 6.0 * RADIUS
     hall = count * block + (count - 1) * gap
     outer = rectangle(-margin, -margin, hall + margin, hall + margin)
@@ -227,7 +233,6 @@ def pillars(rng: np.random.Generator, *, agents: int = 0) -> Scene:
         for x in np.arange(count) * (block + gap)
         for y in np.arange(count) * (block + gap)
     ]
-    per_side = agents // 4
     near, far = -margin + 1.5 * RADIUS, hall + margin - 1.5 * RADIUS
     places = np.linspace(0.0, hall, per_side)
     journeys: list[tuple[Point, Point]] = []
@@ -250,7 +255,7 @@ def pillars(rng: np.random.Generator, *, agents: int = 0) -> Scene:
             for value in (gx, gy)
         )
         moved.append(((sx, sy), (goal[0], goal[1])))
-    return make_scene("pillars", outer, obstacles, moved, horizon=60.0)
+    return make_scene("pillars", outer, obstacles, moved, horizon=12.0 * count)
 
 
 FAMILIES: dict[str, Callable[[np.random.Generator], Scene]] = {

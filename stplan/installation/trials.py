@@ -146,7 +146,9 @@ def _search_jointly(levels: Levels) -> None:
     """The last resorts of search, which scenes as simple as these do not need."""
     JointSearch(levels).attempt(Budget())
     level = levels.at(margin_ladder(levels.problem.scene.seeding.margin)[-1])
-    plan_jointly(level.planner(1), (0, 1), np.random.default_rng(0), never)
+    planner = level.planner(1)
+    plan_jointly(planner, (0, 1), np.random.default_rng(0), never)
+    planner.soft_path(0, 1)
 
 
 def _keep_to_ways(problem: PlanningProblem) -> None:

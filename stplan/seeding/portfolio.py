@@ -306,9 +306,11 @@ def _tight_seeders(levels: Levels) -> tuple[tuple[Seeder, ...], tuple[Rival, ...
     """The seeders in the order they are tried in tight spaces, and what competes with them."""
     by_motion, by_length = LeastCost(levels), LeastCost(levels, by_length=True)
     relaxation = Relaxation(levels.problem, TIGHT_SWEEPS, levels)
+    emptying, search = Emptying(levels), Search(levels, (SOON_EFFORT, SOON_EFFORT))
+    # A large crowd of which all stay leaves no floor behind that empties.
+    staying = levels.problem.num_agents > MOST_COMPETING and bool(levels.problem.stays.all())
     seeders = (
-        Emptying(levels),
-        Search(levels, (SOON_EFFORT, SOON_EFFORT)),
+        *((search, emptying) if staying else (emptying, search)),
         JointSearch(levels),
         MendedRelaxation(relaxation, Mending(levels)),
         Search(levels, (SOON_EFFORT + 1, MOST_EFFORT)),

@@ -28,6 +28,10 @@ LARGEST_NEIGHBOURHOOD = 8
 NEARBY = 6.0
 # Price of a blocked move, in mean costs of a move.
 PENALTIES = (20.0, 50.0, 200.0)
+# In crowds of more than so many a way through rods is sought by intervals, not layer by layer: the table is
+# large, and touching few is all that matters. There a rod counts as so many layers.
+CROWD = 60
+LAYERS_A_ROD = 1000
 # One more touching pair is accepted with this probability, two with its square.
 ACCEPT_WORSE = 0.04
 
@@ -59,7 +63,12 @@ def first_curves(
 def _least_touching(
     planner: LayeredPlanner, agent: int, penalty: float, rng: np.random.Generator
 ) -> IntArray | None:
-    """A way through other rods at a `penalty`, in mean costs of a move; a little random."""
+    """A way through other rods at a `penalty`, in mean costs of a move; a little random.
+
+    In a crowd it is the one through the fewest.
+    """
+    if len(planner.movers) > CROWD:
+        return planner.soft_path(agent, LAYERS_A_ROD)
     cost = space_time_length(planner.graph, planner.grid.height)
     cost *= 1.0 + 0.1 * rng.random(len(cost))
     return planner.cheapest_path(agent, cost, penalty * float(cost.mean()))

@@ -24,6 +24,7 @@ from stplan.seeding.search.reservations import (
     table_bytes,
 )
 from stplan.seeding.search.safe_interval import SafeIntervalSearch
+from stplan.seeding.search.soft_interval import SoftIntervalSearch
 
 Blocks = tuple[BlockArray, ...]
 
@@ -101,6 +102,7 @@ class LayeredPlanner:
         self.slack = self.last - self.first - journeys.distance
         self.reservations = Reservations(graph, self.grid, len(self.class_distance))
         self.search = SafeIntervalSearch(graph)
+        self.soft_search = SoftIntervalSearch(graph)
         self._fixed = [
             (agent, self.blocks(agent, path))
             for agent, path in enumerate(problem.paths)
@@ -141,6 +143,16 @@ class LayeredPlanner:
             self.graph, self.journeys.of[agent], window,
             self.reservations.tables[self.class_of[agent]], cost, penalty,
         )  # fmt: skip
+
+    def soft_path(self, agent: int, penalty: int) -> IntArray | None:
+        """Like `path`, through rods where arriving so many layers later is as bad as touching one more."""
+        if passed():
+            return None
+        window = Window(
+            int(self.first[agent]), int(self.last[agent]), bool(self.problem.stays[agent])
+        )
+        table = self.reservations.tables[self.class_of[agent]]
+        return self.soft_search.path(self.journeys.of[agent], window, table, penalty)
 
     def curve(self, agent: int, path: IntArray) -> FloatArray:
         """The world line (n, 3) of a path, waits joined to one segment."""

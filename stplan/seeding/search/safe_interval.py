@@ -23,7 +23,8 @@ from stplan.seeding.search.reservations import CountArray
 StateArray = NDArray[np.int32]
 
 # Columns of a state.
-_VERTEX, _LEG, _FIRST, _LAST, _ARRIVAL, _PARENT, _NEXT = range(7)
+VERTEX, LEG, FIRST, LAST, ARRIVAL, PARENT, NEXT = range(7)
+STATE_COLUMNS = 7
 # The clock is looked at every so many states that are taken from the queue.
 CHUNK = 20_000
 
@@ -33,7 +34,7 @@ class SafeIntervalSearch:
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
-        self._states: StateArray = np.empty((1 << 15, 7), dtype=np.int32)
+        self._states: StateArray = np.empty((1 << 15, STATE_COLUMNS), dtype=np.int32)
         self._heap: IntArray = np.empty((1 << 15, 3), dtype=np.int64)
 
     def path(self, journey: Journey, window: Window, table: CountArray) -> IntArray | None:
@@ -50,7 +51,7 @@ class SafeIntervalSearch:
                 counts, CHUNK,
             )  # fmt: skip
             if final >= 0:
-                return _walk_back(final, window.first, self._states)
+                return way_to(final, window.first, self._states)
             if passed():
                 return None
         return None
@@ -67,39 +68,39 @@ def _state_at(
     """
     state = int(heads[leg, vertex])
     while state >= 0:
-        if states[state, _FIRST] <= layer <= states[state, _LAST]:
+        if states[state, FIRST] <= layer <= states[state, LAST]:
             return state, count
-        state = int(states[state, _NEXT])
+        state = int(states[state, NEXT])
     first = layer
     while first > 0 and table[vertex, first - 1] == 0:
         first -= 1
     last = layer
     while last < table.shape[1] and table[vertex, last] == 0:
         last += 1
-    states[count, _VERTEX] = vertex
-    states[count, _LEG] = leg
-    states[count, _FIRST] = first
-    states[count, _LAST] = last
-    states[count, _ARRIVAL] = 1 << 30
-    states[count, _PARENT] = -1
-    states[count, _NEXT] = heads[leg, vertex]
+    states[count, VERTEX] = vertex
+    states[count, LEG] = leg
+    states[count, FIRST] = first
+    states[count, LAST] = last
+    states[count, ARRIVAL] = 1 << 30
+    states[count, PARENT] = -1
+    states[count, NEXT] = heads[leg, vertex]
     heads[leg, vertex] = count
     return count, count + 1
 
 
 @kernel
-def _walk_back(state: int, first_layer: int, states: StateArray) -> IntArray:
+def way_to(state: int, first_layer: int, states: StateArray) -> IntArray:
     """Vertices at every layer from `first_layer` to the arrival in `state`."""
-    last = states[state, _ARRIVAL]
+    last = states[state, ARRIVAL]
     path = np.empty(last - first_layer + 1, np.int64)
-    path[last - first_layer] = states[state, _VERTEX]
-    while states[state, _PARENT] >= 0:
-        before = states[state, _PARENT]
-        for layer in range(states[before, _ARRIVAL], states[state, _ARRIVAL]):
-            path[layer - first_layer] = states[before, _VERTEX]
+    path[last - first_layer] = states[state, VERTEX]
+    while states[state, PARENT] >= 0:
+        before = states[state, PARENT]
+        for layer in range(states[before, ARRIVAL], states[state, ARRIVAL]):
+            path[layer - first_layer] = states[before, VERTEX]
         state = before
-    for layer in range(first_layer, states[state, _ARRIVAL]):
-        path[layer - first_layer] = states[state, _VERTEX]
+    for layer in range(first_layer, states[state, ARRIVAL]):
+        path[layer - first_layer] = states[state, VERTEX]
     return path
 
 
@@ -125,7 +126,7 @@ def _begin(
         if table[start, layer] > 0:
             return
     state, counts[0] = _state_at(start, begun, arrival, table, heads, states, 0)
-    states[state, _ARRIVAL] = arrival
+    states[state, ARRIVAL] = arrival
     heap[0, 0] = 0
     heap[0, 1] = state
     heap[0, 2] = arrival
@@ -153,11 +154,11 @@ def _search(
         arrival = heap[0, 2]
         drop_root(heap, size)
         size -= 1
-        if states[state, _ARRIVAL] != arrival:
+        if states[state, ARRIVAL] != arrival:
             continue
-        vertex = int(states[state, _VERTEX])
-        leg = int(states[state, _LEG])
-        until = int(states[state, _LAST])
+        vertex = int(states[state, VERTEX])
+        leg = int(states[state, LEG])
+        until = int(states[state, LAST])
         if leg == last_leg and vertex == targets[leg] and (not window.stays or until == num_layers):
             return state, states, heap
         for place in range(leaving.offsets[vertex], leaving.offsets[vertex + 1]):
@@ -180,14 +181,14 @@ def _search(
                     layer += 1
                     continue
                 found, count = _state_at(other, next_leg, layer + 1, table, heads, states, count)
-                if layer + 1 < states[found, _ARRIVAL]:
-                    states[found, _ARRIVAL] = layer + 1
-                    states[found, _PARENT] = state
+                if layer + 1 < states[found, ARRIVAL]:
+                    states[found, ARRIVAL] = layer + 1
+                    states[found, PARENT] = state
                     # Least arrival at the goal first, and of equals the one nearest to it.
                     key = ((layer + 1 + to_go) << 24) + to_go
                     push(heap, size, key, found, layer + 1)
                     size += 1
                 # Leaving later is of use only to reach the next interval of the other vertex.
-                layer = max(layer + 1, int(states[found, _LAST]))
+                layer = max(layer + 1, int(states[found, LAST]))
     counts[0], counts[1] = count, size
     return -1, states, heap

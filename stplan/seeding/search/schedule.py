@@ -19,7 +19,11 @@ from stplan.reasons import Reason
 from stplan.seeding.infeasibility import no_way_past, touching
 from stplan.seeding.margins import margin_ladder
 from stplan.seeding.search.joint import MOST_AGENTS, plan_jointly
-from stplan.seeding.search.large_neighbourhood import first_curves, replan_neighbourhoods
+from stplan.seeding.search.large_neighbourhood import (
+    CROWD,
+    first_curves,
+    replan_neighbourhoods,
+)
 from stplan.seeding.search.levels import Levels, off_roadmap, out_of_layers
 from stplan.seeding.search.planner import LayeredPlanner
 from stplan.seeding.search.prioritized import plan_prioritized
@@ -118,7 +122,8 @@ def _run_stage(
     """One stage: three planners and a joint search, each with an effort that grows with the stage's."""
     count = len(planner.movers)
     stopped = budget.spent
-    ordered = plan_prioritized(planner, rng, stage.effort * (5 + min(count, 10)), stopped)
+    orders = 1 if count > CROWD else 5 + min(count, 10)
+    ordered = plan_prioritized(planner, rng, stage.effort * orders, stopped)
     if ordered.clear:
         return ordered
     first = first_curves(planner, rng, stopped)

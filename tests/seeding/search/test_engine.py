@@ -13,6 +13,7 @@ from stplan.seeding.search.journey import Journey, Window
 from stplan.seeding.search.layered_dijkstra import HARD, cheapest_path
 from stplan.seeding.search.reservations import Reservations, TimeGrid
 from stplan.seeding.search.safe_interval import SafeIntervalSearch
+from stplan.seeding.search.soft_interval import SoftIntervalSearch
 from tests.geometry.points import apart_squared
 
 LAYERS = 24
@@ -188,6 +189,82 @@ def test_the_cheapest_path_is_cheapest(seed: int, penalty: float) -> None:
     blocked = table[1, len(path) - 1 :].sum()
     total += blocked * penalty if blocked else 0.0
     assert total == pytest.approx(expected)
+
+
+def rods_that_come(now: int, before: int) -> int:
+    return max(int(now) - int(before), 0)
+
+
+def level_of(table: np.ndarray, vertex: int, instant: int) -> int:
+    """Rods around one who has just come to a vertex: those of the freer of the two layers that meet there."""
+    around = table[vertex, max(instant - 1, 0) : instant + 1]
+    return int(around.min())
+
+
+def fewest_rods(graph: Graph, goal: int, table: np.ndarray, penalty: int) -> float:
+    """Least arrival plus penalties from vertex 0 by all moves of every layer, staying after."""
+    here = {(0, int(table[0, 0])): int(table[0, 0])}
+    best = np.inf
+    for layer in range(LAYERS + 1):
+        after: dict[tuple[int, int], int] = {}
+        for (vertex, level), touched in here.items():
+            if vertex == goal:
+                waits = [level, *table[goal, layer:].tolist()]
+                tail = sum(rods_that_come(b, a) for a, b in pairwise(waits))
+                best = min(best, layer + penalty * (touched + tail))
+            for move in range(graph.num_moves) if layer < LAYERS else ():
+                if graph.move_from[move] != vertex:
+                    continue
+                other, count = int(graph.move_to[move]), int(table[move, layer])
+                there = count if other == vertex else level_of(table, other, layer + 1)
+                total = touched + rods_that_come(count, level) + rods_that_come(there, count)
+                key = (other, there)
+                after[key] = min(after.get(key, total), total)
+        here = after
+    return best
+
+
+@pytest.mark.parametrize("penalty", [1, 3, 1000])
+@pytest.mark.parametrize("seed", range(3))
+def test_the_soft_search_touches_as_few_rods_as_can_be(seed: int, penalty: int) -> None:
+    rng = np.random.default_rng(seed)
+    graph = random_graph(rng, 12)
+    table = rng.integers(0, 3, (graph.num_moves, LAYERS // 2)).astype(np.uint16).repeat(2, axis=1)
+    free = np.ones(graph.num_moves, dtype=bool)
+    journey = Journey(0, np.array([1]), graph.hops_to(1, free)[None], free)
+    path = SoftIntervalSearch(graph).path(journey, Window(0, LAYERS, True), table, penalty)
+    assert path is not None
+    moves = numbered_moves(graph)
+    level = touched = int(table[0, 0])
+    for layer, (tail, head) in enumerate(pairwise(path.tolist())):
+        count = int(table[moves[tail, head], layer])
+        there = count if tail == head else level_of(table, head, layer + 1)
+        touched += rods_that_come(count, level) + rods_that_come(there, count)
+        level = there
+    waits = [level, *table[1, len(path) - 1 :].tolist()]
+    touched += sum(rods_that_come(b, a) for a, b in pairwise(waits))
+    assert path[-1] == 1
+    assert len(path) - 1 + penalty * touched == fewest_rods(graph, 1, table, penalty)
+
+
+def test_the_soft_search_passes_waypoints_in_order_and_nobody_where_it_can() -> None:
+    rng = np.random.default_rng(3)
+    graph = random_graph(rng)
+    free = np.ones(graph.num_moves, dtype=bool)
+    targets = np.array([5, 9])
+    hops = two_legs(graph, targets, free)
+    table = (rng.random((graph.num_moves, LAYERS)) < 0.1).astype(np.uint16)
+    table[9] = 0
+    journey, window = Journey(9, targets, hops, free), Window(0, LAYERS, True)
+    soonest = SafeIntervalSearch(graph).path(journey, window, table)
+    path = SoftIntervalSearch(graph).path(journey, window, table, 1000)
+    assert soonest is not None
+    assert path is not None
+    assert len(path) == len(soonest)
+    moves = numbered_moves(graph)
+    assert not any(table[moves[pair], layer] for layer, pair in enumerate(pairwise(path.tolist())))
+    assert path[0] == path[-1] == 9
+    assert 5 in path
 
 
 def test_unreachable_goals_have_no_path() -> None:
