@@ -7,6 +7,7 @@ and replanned like any other.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -31,6 +32,7 @@ from stplan.report import Report, RunRecord, SeedReport
 from stplan.scene import load_scene
 from stplan.scene.model import Scene, WorldChange
 from stplan.scene.moving_goals import is_play
+from stplan.scene.reading.faults import scene_error
 from stplan.scene.reading.load import read_text
 from stplan.scene.reading.overrides import apply_overrides
 from stplan.schema.yaml_tree import read_tree
@@ -38,6 +40,8 @@ from stplan.status import Status
 
 SEED, TRAJECTORIES = "seed.npz", "trajectories.npz"
 KEY = "events"
+# How faults of the override begin that all events are read from.
+_OF_EVENT = re.compile(rf"--set {KEY}=.*?: {KEY}\[(\d+)\]", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -64,21 +68,39 @@ class Continuation:
         return rest_certificate(change, space_of(change.scene), curves_of(lines))
 
 
-def events_of(path: Path) -> list[Any]:
+@dataclass(frozen=True)
+class Happening:
+    """An event as the user gave it, and where: what messages about it begin with."""
+
+    event: Any
+    origin: str
+
+
+def events_of(path: Path) -> list[Happening]:
     """The events in a YAML file: a list, or a mapping with `events`.
 
     Raises:
         SceneError: it holds neither, or cannot be read.
     """
-    tree = read_tree(read_text(path), str(path))
-    value = tree.value
-    found = value.get(KEY) if isinstance(value, Mapping) else value
-    if not isinstance(found, list) or not found:
+    text = read_text(path)
+    if not text.strip():
+        raise SceneError(f"{path}:1:1: the file is empty; a list of events is expected")
+    tree = read_tree(text, str(path))
+    if tree.faults:
+        raise scene_error(str(path), tree, {}, [])
+    value, key = tree.value, ""
+    if isinstance(value, Mapping):
+        value, key = value.get(KEY), KEY
+    if not isinstance(value, list) or not value:
         raise SceneError(f"{path}:1:1: a list of events is expected, or a mapping with events")
+    found = []
+    for number, event in enumerate(value):
+        line, column = tree.locations.get(f"{key}[{number}]", (1, 1))
+        found.append(Happening(event, f"{path}:{line}:{column}: {KEY}[{number}]"))
     return found
 
 
-def set_event(at: float, settings: Sequence[str]) -> dict[str, Any]:
+def set_event(at: float, settings: Sequence[str]) -> Happening:
     """The event that changes values of a scene by ``KEY=VALUE`` at a time.
 
     Raises:
@@ -91,12 +113,15 @@ def set_event(at: float, settings: Sequence[str]) -> dict[str, Any]:
             raise SceneError(
                 f"--set {setting}: KEY=VALUE is expected, as in agents.sam.goal=[2, 3]"
             )
-        given[name.strip()] = read_tree(text, f"--set {setting}", located=False).value
-    return {"at": at, "set": given}
+        tree = read_tree(text, f"--set {setting}", located=False)
+        if tree.faults:
+            raise SceneError([f"--set {setting}: {fault}" for _, _, fault in tree.faults])
+        given[name.strip()] = tree.value
+    return Happening({"at": at, "set": given}, f"--set {' '.join(settings)}")
 
 
-def open_continuation(folder: Path, events: Sequence[Any]) -> Continuation:
-    """The run in `folder`, to which `events` happen.
+def open_continuation(folder: Path, happenings: Sequence[Happening]) -> Continuation:
+    """The run in `folder`, to which more happens.
 
     Raises:
         UsageError: it is damaged, of another state of its scene, or does not hold its certificate; an event
@@ -119,8 +144,12 @@ def open_continuation(folder: Path, events: Sequence[Any]) -> Continuation:
     apply_overrides(tree, recorded.overrides)
     old = tree.value.get(KEY, [])
     overrides = [one for one in recorded.overrides if one.partition("=")[0].strip() != KEY]
-    overrides.append(f"{KEY}={json.dumps([*old, *events])}")
-    scene = load_scene(recorded.source, overrides=overrides)
+    overrides.append(f"{KEY}={json.dumps([*old, *(one.event for one in happenings)])}")
+    try:
+        scene = load_scene(recorded.source, overrides=overrides)
+    except SceneError as error:
+        origins = [one.origin for one in happenings]
+        raise SceneError([_placed(line, len(old), origins) for line in error.messages]) from error
     known = len(before.changes)
     kept = [replace(change, scene=scene) for change in before.changes]
     same = [replace(change, scene=scene) for change in scene.changes[:known]]
@@ -148,3 +177,12 @@ def open_continuation(folder: Path, events: Sequence[Any]) -> Continuation:
     past = RunRecord(record["started"], record["seconds"])
     plan = Plan(seed, lines, content, past)
     return Continuation(scene, plan, scene.changes[known:])
+
+
+def _placed(message: str, known: int, origins: Sequence[str]) -> str:
+    """A sentence on one of all events as one on where it was given, where it is not a `known` one."""
+    found = _OF_EVENT.match(message)
+    number = -1 if found is None else int(found[1]) - known
+    if found is None or not 0 <= number < len(origins):
+        return message
+    return f"{origins[number]}: {message[found.end() :].lstrip('.: ')}"

@@ -50,7 +50,9 @@ def replan(
 
     happening = [] if events is None else events_of(events)
     if settings:
-        if at is None or not math.isfinite(at):
+        if at is not None and not math.isfinite(at):
+            raise UsageError(f"--at is {at}; a time in s is expected")
+        if at is None:
             raise UsageError("--set needs to know from when on: --at T")
         happening.append(set_event(at, settings))
     elif at is not None:

@@ -136,7 +136,7 @@ def open_run(path: Path, scene_file: Path | None = None) -> RunView:
         scene_file: the scene, where the run's own record of it is not to be trusted.
 
     Raises:
-        UsageError: there are no curves, or neither file nor scene tells the radii.
+        UsageError: there are no curves, time goes back on them, or neither file nor scene tells the radii.
         SceneError: `scene_file` is wrong.
     """
     path = Path(path)
@@ -144,6 +144,9 @@ def open_run(path: Path, scene_file: Path | None = None) -> RunView:
     file = _file_of_curves(path, notes)
     folder = file.parent
     lines = read_trajectories(file)
+    for agent_id, curve in zip(lines.agent_ids, lines.curves(), strict=True):
+        if (np.diff(curve[:, 2]) < 0.0).any():
+            raise UsageError(f"{file}: the time of agent {agent_id!r} goes back; see stplan check")
     scene = load_scene(scene_file) if scene_file else _scene_of(folder, notes)
     if scene is not None and scene.changes:
         scene = whole_scene(scene, curves_of(lines))

@@ -39,6 +39,16 @@ def test_files_of_a_run(run):
     assert seed.lines.knots[0, 1] == 0.05
 
 
+def test_curves_on_which_time_goes_back_cannot_be_shown(run):
+    file = run / "trajectories.csv"
+    lines = file.read_text().splitlines()
+    first, second = lines[1].split(","), lines[2].split(",")
+    first[-1], second[-1] = second[-1], first[-1]
+    file.write_text("\n".join([lines[0], ",".join(first), ",".join(second), *lines[3:]]) + "\n")
+    with pytest.raises(UsageError, match="the time of agent 'ann' goes back; see stplan check"):
+        open_run(file)
+
+
 def test_a_folder_with_initial_curves_only(run):
     for name in ("trajectories.npz", "trajectories.csv"):
         (run / name).unlink()
