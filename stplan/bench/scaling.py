@@ -71,7 +71,8 @@ class Point:
 
 
 def _flows(agents: int, draw: int, knots: int) -> Scene:
-    return with_solver(wide.crossing_flows(agents, 1.0, draw), knots=knots)
+    # An iteration is one of all together, however many they are.
+    return with_solver(wide.crossing_flows(agents, 1.0, draw), knots=knots, blocks="all")
 
 
 SWEEPS = {

@@ -22,8 +22,9 @@ from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.world_lines import WorldLines
 from stplan.status import Status
 
-# More agents than this are optimised in blocks of so many.
-FEW, BLOCK = 400, 64
+# More agents than this are optimised in blocks of so many. In the open, where blocks have little to do with
+# each other, they pay sooner: fields of 250 take three quarters of the time and cost 0.1 % more.
+FEW, FEW_IN_THE_OPEN, BLOCK = 400, 200, 64
 # Sweeps at most, each as long as the last one lowered the cost by this part.
 MOST_SWEEPS, WORTHWHILE = 4, 1e-3
 # Values of mu that a block may leave out, of the first ones: there are more sweeps to come.
@@ -44,7 +45,7 @@ def block_size(problem: PlanningProblem) -> int | None:
     asked = problem.scene.solver.blocks
     planning = int((~problem.prescribed).sum())
     if asked is None:
-        return BLOCK if planning > FEW else None
+        return BLOCK if planning > (FEW_IN_THE_OPEN if problem.boundary is None else FEW) else None
     return None if asked == "all" or planning <= asked else asked
 
 

@@ -10,6 +10,7 @@ import pytest
 
 from stplan.arrays import FloatArray, IntArray
 from stplan.bench import families_open as wide
+from stplan.bench.families_crowds import grid_room
 from stplan.nlp.step_control import Stopwatch
 from stplan.optimize import blocks, parts
 from stplan.optimize.blocks import at_once, block_size, split
@@ -77,7 +78,9 @@ def test_blocks_are_for_many_agents_unless_they_are_asked_for() -> None:
     assert block_size(prepare(flows("all"))) is None
     assert block_size(prepare(flows(24))) is None
     assert block_size(prepare(flows(8))) == 8
-    assert block_size(prepare(in_blocks(wide.open_field(401, 0.01), None))) == blocks.BLOCK
+    assert block_size(prepare(in_blocks(wide.open_field(200, 0.01), None))) is None
+    assert block_size(prepare(in_blocks(wide.open_field(201, 0.01), None))) == blocks.BLOCK
+    assert block_size(prepare(grid_room(201, 0))) is None
 
 
 def test_as_cheap_as_all_together_and_as_clear(seeded: tuple[PlanningProblem, WorldLines]) -> None:
