@@ -39,37 +39,82 @@ def way_edges(
     Their ends are among the places. Edges are about as long as `spacing` (m) at most; each exceeds the
     clearance of its track.
     """
-    vertices = places
+    known = _Places(SHARED * spacing)
+    known.add(places)
     edges = [np.empty((0, 2), dtype=np.int64)]
     for legs, clearance in tracks:
         for leg in legs:
             heed()
             knots = cut(mitred(free_space, leg, clearance), spacing)
-            vertices, numbers = _entered(free_space, vertices, knots, clearance, spacing)
+            numbers = _entered(free_space, known, knots, clearance)
             edges.append(np.column_stack([numbers[:-1], numbers[1:]]))
     joined = np.vstack(edges)
-    return vertices, joined[joined[:, 0] != joined[:, 1]]
+    return known.points, joined[joined[:, 0] != joined[:, 1]]
 
 
 def _entered(
-    free_space: FreeSpace, vertices: FloatArray, knots: FloatArray, clearance: float, spacing: float
-) -> tuple[FloatArray, IntArray]:
-    """`vertices` with those of `knots` (n, 2) that are new, and (n,) which vertices they are."""
-    step = knots[:, None] - vertices[None]
-    apart = np.hypot(step[..., 0], step[..., 1])
-    near = apart.argmin(axis=1)
-    shared = apart[np.arange(len(knots)), near] <= SHARED * spacing
+    free_space: FreeSpace, known: _Places, knots: FloatArray, clearance: float
+) -> IntArray:
+    """(n,) which of the `known` places `knots` (n, 2) are, those that are new among them by then."""
+    near, apart = known.nearest(knots)
+    shared = np.isfinite(apart)
     # Ends are places, to the last bit.
-    shared[[0, -1]] = apart[[0, -1], near[[0, -1]]] == 0.0
-    moved = np.where(shared[:, None], vertices[near], knots)
+    shared[[0, -1]] = apart[[0, -1]] == 0.0
+    moved = np.where(shared[:, None], known.points[near], knots)
     free = free_space.segment_clearance(moved[:-1], moved[1:]) > clearance
     if not free.all():
-        shared = apart[np.arange(len(knots)), near] == 0.0
+        shared = apart == 0.0
         moved = knots
-    new = np.flatnonzero(~shared)
-    numbers = near.astype(np.int64)
-    numbers[new] = len(vertices) + np.arange(len(new))
-    return np.vstack([vertices, moved[new]]), numbers
+    near[~shared] = known.add(moved[~shared])
+    return near
+
+
+class _Places:
+    """A growing number of points, and which of them lies nearest to another one, within a `reach` in m."""
+
+    def __init__(self, reach: float) -> None:
+        self._reach = reach
+        # A bit more than the reach, so that rounding hides nobody from the next cell.
+        self._size = 1.001 * reach
+        self._cells: dict[tuple[int, int], list[int]] = {}
+        self._points = np.empty((256, 2))
+        self._count = 0
+
+    @property
+    def points(self) -> FloatArray:
+        """(n, 2) all of them, m."""
+        return self._points[: self._count]
+
+    def add(self, points: FloatArray) -> IntArray:
+        """Numbers (k,) of `points` (k, 2) from now on."""
+        first, self._count = self._count, self._count + len(points)
+        while len(self._points) < self._count:
+            self._points = np.vstack([self._points, np.empty_like(self._points)])
+        self._points[first : self._count] = points
+        numbers = np.arange(first, self._count)
+        for cell, number in zip(self._cells_of(points), numbers.tolist(), strict=True):
+            self._cells.setdefault(cell, []).append(number)
+        return numbers
+
+    def nearest(self, points: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Number of the one nearest to each of `points` (k, 2), the first of equals, and its distance, m.
+
+        -1 and inf where none is within reach.
+        """
+        near, apart = np.full(len(points), -1), np.full(len(points), np.inf)
+        for k, (i, j) in enumerate(self._cells_of(points)):
+            around = [(i + x, j + y) for x in (-1, 0, 1) for y in (-1, 0, 1)]
+            others = sorted(n for cell in around for n in self._cells.get(cell, ()))
+            if others:
+                step = points[k] - self._points[others]
+                far = np.hypot(step[:, 0], step[:, 1])
+                best = int(far.argmin())
+                if far[best] <= self._reach:
+                    near[k], apart[k] = others[best], far[best]
+        return near, apart
+
+    def _cells_of(self, points: FloatArray) -> list[tuple[int, int]]:
+        return [(i, j) for i, j in np.floor(points / self._size).astype(np.int64).tolist()]
 
 
 def mitred(free_space: FreeSpace, leg: FloatArray, clearance: float) -> FloatArray:
