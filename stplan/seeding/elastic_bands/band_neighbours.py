@@ -107,6 +107,12 @@ def _near_segments(
     """(N, 2) segments that ask and what is near, found from segments `head` to `tail`."""
     positions, segments, agents, asking = bodies
     low, high = _boxes(positions, segments)
+    # Side by side, the corners of a box come from memory together.
+    boxes = new_number_rows(len(segments), 6)
+    for i in range(len(segments)):
+        for x in range(3):
+            boxes[i, x] = low[i, x]
+            boxes[i, 3 + x] = high[i, x]
     grid = fill(low, high, cell, CELLS_PER_SEGMENT * len(segments) + 64.0)
     query = make_query(grid.cells)
     seen = new_integers(len(segments))
@@ -128,18 +134,16 @@ def _near_segments(
             near = with_room(near, count + 2 * (past - begin))
             for k in range(begin, past):
                 j = grid.members[k]
-                # A pair that both ask for is found from the first of them.
-                if seen[j] == i or (j <= i and asking[j]):
+                # A pair that both ask for is found from the first of them. What is far away in memory is
+                # asked about the few that may be near only: boxes of others, and squares of all pairs.
+                if (j <= i and asking[j]) or _apart(boxes, i, j, furthest) or seen[j] == i:
                     continue
                 seen[j] = i
-                # Squares of all pairs are far away: they are asked about the few that may be near.
-                if _apart(low, high, i, j, furthest):
-                    continue
                 b = agents[j]
                 if not collides[a, b]:
                     continue
                 limit = reach[a, b] + skin
-                if _apart(low, high, i, j, limit):
+                if _apart(boxes, i, j, limit):
                     continue
                 if closest_of_segments(positions, segments, i, j)[2] < limit * limit:
                     near[count, 0] = i
@@ -153,15 +157,15 @@ def _near_segments(
 
 
 @inlined
-def _apart(low: FloatArray, high: FloatArray, i: int, j: int, limit: float) -> bool:
-    """Whether two boxes are further than `limit` apart along an axis."""
+def _apart(boxes: FloatArray, i: int, j: int, limit: float) -> bool:
+    """Whether two of `boxes` (S, 6) are further than `limit` apart along an axis."""
     return (
-        low[j, 0] > high[i, 0] + limit
-        or high[j, 0] < low[i, 0] - limit
-        or low[j, 1] > high[i, 1] + limit
-        or high[j, 1] < low[i, 1] - limit
-        or low[j, 2] > high[i, 2] + limit
-        or high[j, 2] < low[i, 2] - limit
+        boxes[j, 0] > boxes[i, 3] + limit
+        or boxes[j, 3] < boxes[i, 0] - limit
+        or boxes[j, 1] > boxes[i, 4] + limit
+        or boxes[j, 4] < boxes[i, 1] - limit
+        or boxes[j, 2] > boxes[i, 5] + limit
+        or boxes[j, 5] < boxes[i, 2] - limit
     )
 
 
