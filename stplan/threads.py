@@ -73,18 +73,20 @@ def num_threads(items: int) -> int:
     return 1 if crew is None or items < crew.few else crew.count
 
 
-def shares(work: IntArray | FloatArray, count: int | None = None) -> list[tuple[int, int]]:
-    """Items with so much `work` (n,) each, cut into runs of about equal work, at most `count`.
-
-    As many as there are threads for them by default.
-    """
-    count = num_threads(len(work)) if count is None else count
+def shares(work: IntArray | FloatArray) -> list[tuple[int, int]]:
+    """Items with so much `work` (n,) each, cut into as many runs of about equal work as there are threads."""
+    count = num_threads(len(work))
     if count == 1:
         return [(0, len(work))]
     done = np.cumsum(work)
     cuts = np.searchsorted(done, done[-1] * np.arange(1, count) / count) + 1
     edges = np.unique(np.concatenate([[0], cuts, [len(work)]])).tolist()
     return list(pairwise(edges))
+
+
+def runs(items: int, count: int) -> list[tuple[int, int]]:
+    """So many items cut into `count` runs of about equal length."""
+    return [(k * items // count, (k + 1) * items // count) for k in range(count)]
 
 
 def together(function: Callable[..., Result], parts: Sequence[tuple[object, ...]]) -> list[Result]:

@@ -16,6 +16,8 @@ from stplan.geometry.segments import closest_of_segments
 from stplan.geometry.sorting import counting_sort
 from stplan.threads import shares, together
 
+# Work with the first of many segments over that with the last one.
+FIRST_WORK = 4.6
 # Cells of the grid for every segment, at most; larger cells are used where this would not do.
 CELLS_PER_SEGMENT = 8
 
@@ -74,8 +76,8 @@ def near_rows(
         widest: the `widest_reach` of `reach`, where it is known.
     """
     widest = widest_reach(collides, reach) if widest is None else widest
-    # Most of the work is with those that ask.
-    work = np.where(bodies.asking, 4, 1)
+    # The work is with those that ask, and most of it with the first ones: they find the others.
+    work = bodies.asking * np.linspace(FIRST_WORK, 1.0, len(bodies.asking))
     found = together(
         _near_segments,
         [(bodies, collides, reach, skin, widest, cell, *share) for share in shares(work)],

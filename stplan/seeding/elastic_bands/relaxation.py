@@ -38,7 +38,7 @@ from stplan.seeding.elastic_bands.sweeps import (
     sweep_bands,
 )
 from stplan.seeding.seeder import SeedAttempt, SeedRecord
-from stplan.threads import num_threads, shares, together
+from stplan.threads import num_threads, runs, together
 
 NAME = "relaxation"
 # Knots of a band while it relaxes, and sweeps at most.
@@ -129,6 +129,18 @@ def _attainable(
     return Requirement(required.rods, walls)
 
 
+def middle_of(square: FloatArray) -> FloatArray:
+    """(2,) the values in the middle of all of a square in order of size; the same one if they are odd."""
+    middle = [(square.size - 1) // 2, square.size // 2]
+    # Mostly nearly all are the same, which is soon counted, while sorting millions takes its time.
+    guess = float(np.partition(square[0], len(square) // 2)[len(square) // 2])
+    below = np.count_nonzero(square < guess)
+    if below <= middle[0] and middle[1] < below + np.count_nonzero(square == guess):
+        return np.array([guess, guess])
+    found: FloatArray = np.partition(square, middle, axis=None)[middle]
+    return found
+
+
 class _Relaxation:
     """The bands, their neighbours and how far each one's tension has decayed."""
 
@@ -146,10 +158,8 @@ class _Relaxation:
         self.first_positions = self.bands.positions.copy()
         self.movable = np.flatnonzero(~problem.prescribed)
         self.rod_target = AIM * required.rods
-        count = self.rod_target.size
-        middle = [(count - 1) // 2, count // 2]
         # The mean of both is the median.
-        self.usual_targets = np.partition(self.rod_target, middle, axis=None)[middle]
+        self.usual_targets = middle_of(self.rod_target)
         self.widest = widest_reach(problem.collides, self.rod_target)
         heeds = problem.heeds_walls & (problem.boundary is not None)
         self.wall_target = np.where(heeds, AIM * required.walls, 0.0)
@@ -197,8 +207,8 @@ class _Relaxation:
                 *near_agents(owners, near.rows, near.members, self.problem.num_agents)
             )
         for chosen, at_once in rounds(order, self._related):
-            runs = shares(self.bands.num_knots[chosen], count if at_once else 1)
-            moved += together(sweep_bands, [(chosen[i:j], *settings) for i, j in runs])
+            cut = runs(len(chosen), count if at_once else 1)
+            moved += together(sweep_bands, [(chosen[i:j], *settings) for i, j in cut])
         return max(moved)
 
     def _crowding(self) -> float:

@@ -59,7 +59,8 @@ def prepare_seed(
     held = held_requirement(problem, curves, required)
     shortened = take_shortcuts(problem, curves, held, rng_seed=rng_seed, stopped=stopped)
     # Of thousands of agents squares of all pairs take most of the memory: no more of them than needed.
-    rods = held.rods - problem.distance
+    rods = held.rods
+    rods -= problem.distance
     rods *= 1.0 - SLACK
     rods += problem.distance
     eased = Requirement(rods, problem.radii + (1.0 - SLACK) * (held.walls - problem.radii))

@@ -16,7 +16,7 @@ from stplan.problem.planning_problem import PlanningProblem
 from stplan.problem.requirement import requirement
 from stplan.problem.verification import verify
 from stplan.scene.model import Agent, PairRule, Scene, Weights
-from stplan.seeding.elastic_bands.relaxation import relax
+from stplan.seeding.elastic_bands.relaxation import middle_of, relax
 from stplan.seeding.elastic_bands.relaxation_seeder import Relaxation
 from stplan.seeding.search.levels import Levels
 from stplan.seeding.seeder import Budget, SeedAttempt
@@ -274,3 +274,10 @@ def test_a_crowd_without_room_is_given_up_early_and_one_with_room_is_not() -> No
     assert len(crowd.touching) > 4 * 40
     assert few.clear
     assert not few.jammed
+
+
+def test_the_middle_of_a_square_is_its_median() -> None:
+    rng = np.random.default_rng(0)
+    for size in (2, 3, 8):
+        for square in (rng.random((size, size)), rng.integers(0, 2, (size, size)).astype(float)):
+            assert middle_of(square).mean() == np.median(square)
