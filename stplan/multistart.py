@@ -46,15 +46,24 @@ class Effort:
     Attributes:
         starts_share: factor on the starts that a scene is worth.
         finalists: seeds that are optimised.
+        improvement: what the cheapest plan is improved for between walls, as `ImprovementBudget.effort`.
     """
 
     starts_share: float
     finalists: int
+    improvement: float
 
 
-EFFORTS = {"quick": Effort(0.0, 1), "normal": Effort(1.0, 3), "best": Effort(4.0, 6)}
+EFFORTS = {
+    "quick": Effort(0.0, 1, 0.0),
+    "normal": Effort(1.0, 3, 450.0),
+    "best": Effort(4.0, 6, 2500.0),
+}
 # Of more agents fewer seeds are optimised: classes differ less, and plans take longer.
 AGENTS_A_FINALIST = 60
+# The cheapest plan is improved for less where agents are fewer, and seeds are soon found, or more, and
+# iterations take long; not at all where classes differ little.
+FEW_AGENTS, MANY_AGENTS, CROWD = 8, 20, 60
 
 
 @dataclass(frozen=True)
@@ -62,12 +71,14 @@ class Contest:
     """Seeds of different classes, the cheapest first, and how many of them are worth optimising.
 
     The others are spares: what a scene asks of speeds and times may be out of reach in a cheaper class.
-    `horizon` is the earlier one within which all were found, s; None where it is the scene's.
+    `horizon` is the earlier one within which all were found, s; None where it is the scene's. `improvement`
+    is what the cheapest plan is to be improved for, as `ImprovementBudget.effort`.
     """
 
     seeds: tuple[Seed, ...]
     finalists: int
     horizon: float | None = None
+    improvement: float = 0.0
 
 
 def best_seeds(problem: PlanningProblem, *, progress: Progress) -> Contest:
@@ -134,7 +145,7 @@ def _best_seeds(problem: PlanningProblem, budget: Budget, first_deadline: float)
         most = max(1, min(effort.finalists, AGENTS_A_FINALIST // problem.num_agents))
         first = portfolio.first_clear(early)
         seeds = tight_seeds(problem, portfolio, first, effort.starts_share, most, budget)
-        return Contest(seeds, most)
+        return Contest(seeds, most, improvement=_worthwhile_improvement(problem.num_agents, effort))
     seed = portfolio.find(early)
     others = competing(problem, budget)
     every = [seed, *_starts(problem, portfolio, seed, others, effort.starts_share)]
@@ -162,6 +173,13 @@ def _starts(
             yield portfolio.find(Budget(budget.rng_seed + start, budget.deadline))
         except SeedingError:
             continue
+
+
+def _worthwhile_improvement(num_agents: int, effort: Effort) -> float:
+    """What the cheapest plan of so many agents is improved for."""
+    if num_agents > CROWD:
+        return 0.0
+    return effort.improvement * min(num_agents / FEW_AGENTS, 1.0, MANY_AGENTS / num_agents)
 
 
 def own_cost(scene: Scene, lines: WorldLines) -> float:

@@ -12,7 +12,7 @@ from itertools import chain
 from typing import TYPE_CHECKING
 
 from stplan.analysis.arrival_gap import arrival_gap
-from stplan.analysis.cost_bound import bound_with, cost_bound
+from stplan.analysis.cost_bound import cost_bound
 from stplan.analysis.metrics import metrics
 from stplan.callbacks import Progress, Stop, never, unheard
 from stplan.certify.certificate import Certificate, certify
@@ -21,6 +21,7 @@ from stplan.compiled import compiled_before, working_time
 from stplan.errors import BrokenSeedError, SeedingError, StoppedError, UsageError
 from stplan.geometry.rod_distances import segment_distances
 from stplan.hastening import arrivals_of, hasten, with_ample_horizon
+from stplan.improved_plan import improved_plan
 from stplan.improvement.budget import ImprovementBudget
 from stplan.multistart import best_seeds
 from stplan.nlp.ipopt.adapter import require_options
@@ -68,6 +69,8 @@ __all__ = [
 MORE_TIME = (3.0,)
 # Who arrives within an earlier horizon than the scene's has this part of its trip to spare.
 SPARE_TIME = 0.05
+# Planning improves with random numbers so far from those of `improve`, which is to try other moves.
+OTHER_MOVES = 1 << 20
 
 
 @dataclass(frozen=True)
@@ -79,12 +82,14 @@ class InitialCurves:
         world_lines: the same as the user's.
         certificate: of them; it holds.
         problem: what they were found for, maybe with an earlier horizon than the scene's.
+        improvement: what the plan is to be improved for, as `ImprovementBudget.effort`.
     """
 
     seed: Seed
     world_lines: WorldLines
     certificate: Certificate
     problem: PlanningProblem
+    improvement: float = 0.0
 
 
 def plan(
@@ -141,6 +146,10 @@ def _plan(
             )
         plans.append(_planned(sharp, initial, optimised, clock))
     best = cheapest(plans)
+    if rivals[0].improvement and not stop():
+        budget = ImprovementBudget(effort=rivals[0].improvement)
+        rng_seed = OTHER_MOVES + scene.seeding.rng_seed
+        best = _improved(best, budget, rng_seed, clock, progress=progress, live=live, stop=stop)
     with clock.stage("bound"):
         lines = best.trajectories or best.seed
         if scene.minimise == "energy":
@@ -167,38 +176,11 @@ def improve(
         return result
     if result.status is Status.PLAYED:
         raise UsageError(f"{result.scene.name} was played: that is past improvement")
-    from stplan.improvement import search
-
-    clock = Clock()
-    with clock.stage("world"):
-        problem = prepare(fixed_at(result.scene, result.trajectories))
-    with clock.stage("improve"):
-        found = search.improve(
-            problem,
-            result.trajectories,
-            budget,
-            rng_seed=result.scene.seeding.rng_seed,
-            progress=progress or unheard,
-            live=live,
-            stop=stop or never,
-        )
-    content = replace(result.report, improvement=found.record)
-    if found.optimisation is not None:
-        content = replace(
-            content,
-            status=found.optimisation.status,
-            certificate=found.certificate,
-            metrics=metrics(result.scene, found.world_lines),
-            optimisation=OptimisationReport.of(result.scene, found.optimisation),
-        )
-        if (known := content.bound) is not None:
-            bound = bound_with(result.scene, found.world_lines, known.least, known.together)
-            content = replace(content, bound=bound)
-    if found.interrupted:
-        content = replace(content, status=Status.INTERRUPTED)
-    return replace(
-        result, trajectories=found.world_lines, report=content, run=result.run.and_then(clock)
+    clock, rng_seed = Clock(), result.scene.seeding.rng_seed
+    improved = _improved(
+        result, budget, rng_seed, clock, progress=progress, live=live, stop=stop or never
     )
+    return replace(improved, run=result.run.and_then(clock))
 
 
 def seed(scene: Scene, *, progress: Progress | None = None, stop: Stop | None = None) -> Plan:
@@ -304,7 +286,9 @@ def find_initial_curves(
                 certificate = certify(written.scene, written.free_space, outside)
             if certificate.holds:
                 restored = replace(seed, world_lines=lines)
-                found.append(InitialCurves(restored, outside, certificate, given))
+                found.append(
+                    InitialCurves(restored, outside, certificate, given, contest.improvement)
+                )
                 break
         violations = violations or certificate.violations
     if not found:
@@ -374,6 +358,25 @@ def _rival(
         optimised = optimise_rival(problem, initial.seed.world_lines, known, stop=stop)
     planned = None if optimised is None else _planned(problem, initial, optimised, clock)
     return None if planned is None or planned.status is Status.BROKEN else planned
+
+
+def _improved(
+    result: Plan,
+    budget: ImprovementBudget,
+    rng_seed: int,
+    clock: Clock,
+    *,
+    progress: Progress | None,
+    live: LiveLine | None,
+    stop: Stop,
+) -> Plan:
+    """`result` with the cheapest trajectories that the moves of `budget` lead to."""
+    with clock.stage("world"):
+        problem = prepare(fixed_at(result.scene, result.trajectories or result.seed))
+    with clock.stage("improve"):
+        return improved_plan(
+            result, problem, budget, rng_seed=rng_seed, progress=progress, live=live, stop=stop
+        )
 
 
 def _planned(

@@ -44,32 +44,43 @@ def quality(
     record: Annotated[
         bool, typer.Option("--record", help="Write what is cheaper into the ledger.")
     ] = False,
+    draws: Annotated[
+        int,
+        typer.Option(
+            min=0,
+            help="Plan so many random draws of every tight family instead, by every method.",
+        ),
+    ] = 0,
     full: Full = False,
 ) -> int:
     """How near plans are to the best ones known.
 
     Scenes are planned by default and improved by a number of moves; both costs stand beside the
     least one known, which a ledger keeps with the command that reached it. A ledger only improves.
+    With --draws it is random scenes of families, whose best one known is the cheapest by any method.
 
     \b
     Examples:
       stplan bench quality
       stplan bench quality --only cabin,door --moves 500 --record
+      stplan bench quality --draws 20 --only door
     """
+    from stplan.bench import draws as draws_bench
+    from stplan.bench import draws_table, quality, quality_table
     from stplan.bench import ledger as ledgers
-    from stplan.bench import quality, quality_table
     from stplan.bench.named_scenes import chosen_scenes
     from stplan.files.atomic import write_set
 
+    moves = moves or (quality.FULL_MOVES if full else quality.SMALL_MOVES)
+    if draws:
+        families = draws_bench.chosen(names_in(only))
+        trials = draws_bench.measure(families, draws, moves, progress=console.progress)
+        return finish(console, output, draws_table.files(trials))
     files = chosen_scenes(
         scenes, names_in(only), small=quality.SMALL_SCENES, every=quality.FULL_SCENES, full=full
     )
     known = ledgers.read_ledger(ledger)
-    measured = quality.measure(
-        files,
-        moves or (quality.FULL_MOVES if full else quality.SMALL_MOVES),
-        progress=console.progress,
-    )
+    measured = quality.measure(files, moves, progress=console.progress)
     if record:
         found = [entry for one in measured for entry in one.entries()]
         # Read anew: others may have written meanwhile, and it only improves.

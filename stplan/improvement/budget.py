@@ -16,10 +16,12 @@ class ImprovementBudget:
     Attributes:
         moves: tried at most.
         seconds: of processor time after which no move is begun.
+        effort: iterations of optimisations, proposals counted as some, after which no move is begun.
     """
 
     moves: float = math.inf
     seconds: float = math.inf
+    effort: float = math.inf
 
     @staticmethod
     def parse(text: str) -> ImprovementBudget:

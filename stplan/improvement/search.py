@@ -176,7 +176,7 @@ class _Search:
         self._tallies = {move: _Tally(move.worth, LEAST_SHARE * move.worth) for move in MOVES}
         self._known: set[bytes] = set()
         self._least: FloatArray | None = None
-        self._moves = 0
+        self._moves, self._effort = 0, 0.0
         self._trials = Trials(problem, self._stopped)
         self.kept_last = False
         self._start = float(own_costs(problem.scene, lines).sum())
@@ -187,7 +187,8 @@ class _Search:
         problem = self._problem
         if problem.prescribed.all() or not problem.collides.any() or self._start <= 0.0:
             return False  # Nobody can go another way round anybody, or gain by it.
-        return self._moves < self._budget.moves and not self._stopped()
+        spent = self._moves >= self._budget.moves or self._effort >= self._budget.effort
+        return not spent and not self._stopped()
 
     def _stopped(self) -> bool:
         return self._stop() or working_time() > self._deadline
@@ -214,6 +215,7 @@ class _Search:
             found.history.append({"move": self._moves, "by": str(move), "cost": found.cost})
             self._take_up()
         effort = move.effort + self._trials.iterations - used
+        self._effort += effort
         self._tallies[move].add(1.0 - self._best.cost / before, effort)
 
     def line(self) -> str:
