@@ -116,7 +116,7 @@ class Report:
         certificate, metrics: of the trajectories, or of the seed where there is no more.
         optimisation: None where only a seed was asked for.
         rivals: all plans that were made, of which this is the cheapest; none where it is the only one.
-        improvement: None where none was asked for.
+        improvement: None where there was none, neither asked for nor as part of planning.
         bound: what the trajectories cost, and any others at least; None where only a seed was asked for.
         notes: what the user has to know about the map.
         arrivals: how fast the plan is; None where its cost was to be least.

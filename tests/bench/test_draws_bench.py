@@ -10,6 +10,7 @@ from stplan.bench.draws import DrawTrial
 from stplan.bench.draws_table import csv_text, markdown_text
 from stplan.cli.app import main
 from stplan.errors import UsageError
+from stplan.multistart import EFFORTS
 
 
 def trial(family: str, draw: int, default: float, improved: float, other: float) -> DrawTrial:
@@ -67,6 +68,7 @@ def test_families_are_chosen_by_name():
 
 def test_a_draw_is_planned_by_default_and_by_other_methods(monkeypatch):
     monkeypatch.setattr(draws, "warm_up", lambda: None)
+    monkeypatch.setitem(EFFORTS, "normal", EFFORTS["quick"])
     methods = {"search": draws.METHODS["search"]}
     (found,) = draws.measure(["plus right"], 1, 1, methods=methods, progress=lambda line: None)
     assert list(found.costs) == ["default", "improved", "search"]

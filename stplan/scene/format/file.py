@@ -131,7 +131,8 @@ class SolverFile(_Model):
         "auto", description="knots per agent; auto follows the initial curves"
     )
     effort: Literal["quick", "normal", "best"] = Field(
-        _SOLVER.effort, description="how many initial curves compete, and how many are optimised"
+        _SOLVER.effort,
+        description="how many initial curves compete, how many are optimised, how long one is improved",
     )
     starts: Annotated[int | Literal["auto"], Or(_STARTS, "auto")] = Field(
         "auto", description="initial curves to choose the cheapest from; auto: as effort asks"
