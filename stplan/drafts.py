@@ -31,7 +31,9 @@ from stplan.seeding.shortcutting.shortcuts import take_shortcuts
 OUTCLASSED = 1.5
 # A failure counts as one more for so many sweeps that it took.
 SWEEPS_A_FAILURE = 200
-# States of the improved draft that compete with the others.
+# The cheapest drafts of different classes that are improved: where a walk ends is much a matter of luck.
+WALKS = 3
+# States of an improved draft that compete with the others.
 IMPROVED = 3
 # Seeds prepared beyond those that are optimised: preparing changes who is cheapest.
 SPARES = 1
@@ -79,8 +81,11 @@ def tight_seeds(
     for rival in portfolio.rivals:
         if maker.jammed:
             break
+        if rival.spare and len(_distinct(problem, drafts)) >= WALKS:
+            continue
         drafts += maker.compete(rival, share, min(draft.cost for draft in drafts))
-    drafts += maker.improved(min(drafts, key=_cost), share)
+    for begin in _distinct(problem, sorted(drafts, key=_cost))[:WALKS]:
+        drafts += maker.improved(begin, share)
     distinct = _distinct(problem, sorted(drafts, key=_cost))
     return maker.prepared(distinct, most + SPARES, budget.deadline)
 
@@ -113,7 +118,7 @@ class _Drafts:
     def compete(self, rival: Rival, share: float, best: float) -> Iterator[Draft]:
         """Drafts of a rival, as long as it does not fail, and costs about as little as the `best`."""
         failures = 0.0
-        rng_seed = self._budget.rng_seed
+        rng_seed = self._budget.rng_seed + rival.spare
         for start in range(round(share * rival.starts)):
             if failures >= rival.patience or self._budget.spent():
                 break

@@ -56,8 +56,8 @@ class Effort:
 
 EFFORTS = {
     "quick": Effort(0.0, 1, 0.0),
-    "normal": Effort(1.0, 3, 450.0),
-    "best": Effort(4.0, 6, 2500.0),
+    "normal": Effort(1.0, 3, 300.0),
+    "best": Effort(4.0, 6, 2000.0),
 }
 # Of more agents fewer seeds are optimised: classes differ less, and plans take longer.
 AGENTS_A_FINALIST = 60

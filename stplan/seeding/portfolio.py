@@ -61,6 +61,11 @@ FEW_RADII = 3
 MENDED_PART, MENDED_PAIRS = 0.1, 4
 # Starts of relaxation as a rival in tight spaces: they are quick, and differ little.
 RELAXATION_STARTS = 10
+# Starts of search, besides the first, where cheapest ways and relaxation lead to hardly any class.
+SEARCHES = 2
+# Of so few agents in a map searches compete with relaxation where straight ways are clear too: they give way
+# in space or in time, whichever is cheaper, and take no long time.
+FEW = 8
 # Of more agents relaxation is the first rival: soon it says whether there is no room for any of them.
 CROWDED = 24
 # In larger crowds between walls rivals hardly ever find a way, and take half of the time to fail.
@@ -119,11 +124,13 @@ class Rival:
         starts: how many of it a scene is worth.
         patience: how many in a row may fail, or be far too dear, before it is asked no more; less of them
             that take long.
+        spare: whether it found the first seed maybe, and is asked for others where there are few classes.
     """
 
     seeder: Seeder
     starts: int
     patience: int
+    spare: bool = False
 
 
 @dataclass(frozen=True)
@@ -269,9 +276,12 @@ def _portfolio(problem: PlanningProblem) -> Portfolio:
     if method == AUTO and (many_radii or straight_ways_are_clear(problem)):
         relaxation = Relaxation(problem, OPEN_SWEEPS, levels)
         mended = MendedRelaxation(relaxation, Mending(levels))
-        return Portfolio(
-            problem, rendezvous, relaxation.required, (mended, JointSearch(levels), Search(levels))
-        )
+        seeders = (mended, JointSearch(levels), Search(levels))
+        if many_radii or problem.free_space is None or problem.num_agents > FEW:
+            return Portfolio(problem, rendezvous, relaxation.required, seeders)
+        soon = Rival(Search(levels, (SOON_EFFORT, SOON_EFFORT)), 1, patience=1)
+        rivals = (soon, *_rivals(levels, relaxation))
+        return Portfolio(problem, rendezvous, relaxation.required, seeders, rivals, levels)
     required = requirement(problem, problem.scene.seeding.margin)
     if method != AUTO:
         return Portfolio(problem, rendezvous, required, (SEEDERS[method](problem),))
@@ -304,7 +314,6 @@ def _surroundings(problem: PlanningProblem) -> PlanningProblem:
 
 def _tight_seeders(levels: Levels) -> tuple[tuple[Seeder, ...], tuple[Rival, ...]]:
     """The seeders in the order they are tried in tight spaces, and what competes with them."""
-    by_motion, by_length = LeastCost(levels), LeastCost(levels, by_length=True)
     relaxation = Relaxation(levels.problem, TIGHT_SWEEPS, levels)
     emptying, search = Emptying(levels), Search(levels, (SOON_EFFORT, SOON_EFFORT))
     # A large crowd of which all stay leaves no floor behind that empties.
@@ -317,11 +326,18 @@ def _tight_seeders(levels: Levels) -> tuple[tuple[Seeder, ...], tuple[Rival, ...
     )
     if levels.problem.num_agents > MOST_COMPETING:
         return seeders, ()
+    return seeders, _rivals(levels, relaxation)
+
+
+def _rivals(levels: Levels, relaxation: Relaxation) -> tuple[Rival, ...]:
+    """Whose seeds compete with the first one found, in the order they are asked."""
+    by_motion, by_length = LeastCost(levels), LeastCost(levels, by_length=True)
     searches = (
         Rival(by_motion, by_motion.worthwhile_starts, patience=1),
         Rival(by_length, by_length.worthwhile_starts, patience=1),
     )
+    again = Rival(Search(levels, (SOON_EFFORT, SOON_EFFORT)), SEARCHES, patience=1, spare=True)
     relaxations = (Rival(relaxation, RELAXATION_STARTS, patience=2),)
     if levels.problem.num_agents > CROWDED:
-        return seeders, (*relaxations, *searches)
-    return seeders, (*searches, *relaxations)
+        return (*relaxations, *searches, again)
+    return (*searches, *relaxations, again)

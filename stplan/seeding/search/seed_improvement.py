@@ -53,14 +53,15 @@ LEAST_HELD = 1.0005
 # What an improvement may take: moves times the size of the layered roadmap and of the crowd, in numbers of
 # labels; about a second. An agent weighs so many labels, by what it takes to shorten its curve.
 IMPROVEMENT_WORK, AGENT_WORK = 8 * 10**7, 3 * 10**4
-MOST_MOVES = 120
+# Few agents have few classes.
+MOST_MOVES, MOVES_AN_AGENT = 120, 15
 
 
 def worthwhile_moves(levels: Levels) -> int:
     """How many moves a scene is worth: fewer of more agents and of larger roadmaps."""
     level = levels.at(_margin(levels))
     work = len(level.graph.length) * level.layers + AGENT_WORK * levels.problem.num_agents
-    return min(IMPROVEMENT_WORK // work, MOST_MOVES)
+    return min(IMPROVEMENT_WORK // work, MOST_MOVES, MOVES_AN_AGENT * levels.problem.num_agents)
 
 
 def improve_seed(
