@@ -14,13 +14,16 @@ from stplan.problem.planning_problem import PlanningProblem
 from stplan.report import OptimisationReport
 from stplan.status import Status
 
+# The moves that planning tries: what is improved later is to try others.
+OTHER_MOVES = 1 << 20
+
 
 def improved_plan(
     result: Plan,
     problem: PlanningProblem,
     budget: ImprovementBudget,
     *,
-    rng_seed: int,
+    rng_shift: int = 0,
     progress: Progress | None = None,
     live: LiveLine | None = None,
     stop: Stop | None = None,
@@ -29,7 +32,7 @@ def improved_plan(
 
     Args:
         problem: of its scene, in which everybody ends where its trajectories do.
-        rng_seed: of all random numbers of the search.
+        rng_shift: added to the scene's `rng_seed`, for other moves.
     """
     from stplan.improvement import search
 
@@ -38,7 +41,7 @@ def improved_plan(
         problem,
         lines,
         budget,
-        rng_seed=rng_seed,
+        rng_seed=result.scene.seeding.rng_seed + rng_shift,
         progress=progress or unheard,
         live=live,
         stop=stop or never,

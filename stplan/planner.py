@@ -21,7 +21,7 @@ from stplan.compiled import compiled_before, working_time
 from stplan.errors import BrokenSeedError, SeedingError, StoppedError, UsageError
 from stplan.geometry.rod_distances import segment_distances
 from stplan.hastening import arrivals_of, hasten, with_ample_horizon
-from stplan.improved_plan import improved_plan
+from stplan.improved_plan import OTHER_MOVES, improved_plan
 from stplan.improvement.budget import ImprovementBudget
 from stplan.multistart import best_seeds
 from stplan.nlp.ipopt.adapter import require_options
@@ -69,8 +69,6 @@ __all__ = [
 MORE_TIME = (3.0,)
 # Who arrives within an earlier horizon than the scene's has this part of its trip to spare.
 SPARE_TIME = 0.05
-# Planning improves with random numbers so far from those of `improve`, which is to try other moves.
-OTHER_MOVES = 1 << 20
 
 
 @dataclass(frozen=True)
@@ -148,8 +146,7 @@ def _plan(
     best = cheapest(plans)
     if rivals[0].improvement and not stop():
         budget = ImprovementBudget(effort=rivals[0].improvement)
-        rng_seed = OTHER_MOVES + scene.seeding.rng_seed
-        best = _improved(best, budget, rng_seed, clock, progress=progress, live=live, stop=stop)
+        best = _improved(best, budget, OTHER_MOVES, clock, progress, live, stop)
     with clock.stage("bound"):
         lines = best.trajectories or best.seed
         if scene.minimise == "energy":
@@ -176,10 +173,8 @@ def improve(
         return result
     if result.status is Status.PLAYED:
         raise UsageError(f"{result.scene.name} was played: that is past improvement")
-    clock, rng_seed = Clock(), result.scene.seeding.rng_seed
-    improved = _improved(
-        result, budget, rng_seed, clock, progress=progress, live=live, stop=stop or never
-    )
+    clock = Clock()
+    improved = _improved(result, budget, 0, clock, progress, live, stop or never)
     return replace(improved, run=result.run.and_then(clock))
 
 
@@ -363,19 +358,18 @@ def _rival(
 def _improved(
     result: Plan,
     budget: ImprovementBudget,
-    rng_seed: int,
+    rng_shift: int,
     clock: Clock,
-    *,
     progress: Progress | None,
     live: LiveLine | None,
     stop: Stop,
 ) -> Plan:
-    """`result` with the cheapest trajectories that the moves of `budget` lead to."""
+    """`result` with the cheapest trajectories that the moves of `budget` lead to; `stop` ends with the best."""
     with clock.stage("world"):
         problem = prepare(fixed_at(result.scene, result.trajectories or result.seed))
     with clock.stage("improve"):
         return improved_plan(
-            result, problem, budget, rng_seed=rng_seed, progress=progress, live=live, stop=stop
+            result, problem, budget, rng_shift=rng_shift, progress=progress, live=live, stop=stop
         )
 
 
