@@ -364,7 +364,7 @@ def _improved(
     live: LiveLine | None,
     stop: Stop,
 ) -> Plan:
-    """`result` with the cheapest trajectories that the moves of `budget` lead to; `stop` ends with the best."""
+    """`result` with the cheapest trajectories that the moves of `budget` lead to."""
     with clock.stage("world"):
         problem = prepare(fixed_at(result.scene, result.trajectories or result.seed))
     with clock.stage("improve"):
