@@ -35,6 +35,9 @@ from stplan.seeding.seeder import Budget
 STARTS_A_CONFLICT = 1.4
 MOST_STARTS = 24
 RELAXED_PAIRS = 15_000
+# Of so few agents in a map searches compete with relaxation where straight ways are clear of its walls, too:
+# they let agents give way in time where there is little space, and take no long time.
+FEW_IN_A_MAP = 8
 # Share of the time limit for an earlier horizon.
 HASTE = 0.5
 
@@ -136,7 +139,7 @@ def _best_seeds(problem: PlanningProblem, budget: Budget, first_deadline: float)
     """Seeds of `problem`: the first found by `first_deadline` (s of `working_time`), all by the budget's."""
     scene, progress = problem.scene, budget.progress
     early = replace(budget, deadline=first_deadline)
-    portfolio = prepare_portfolio(problem, first_deadline)
+    portfolio = prepare_portfolio(problem, first_deadline, contested=_contested(problem))
     effort = EFFORTS[scene.solver.effort]
     if scene.minimise != "energy":
         # What competing seeds cost says nothing of arrivals.
@@ -159,6 +162,12 @@ def _best_seeds(problem: PlanningProblem, budget: Budget, first_deadline: float)
         best = found[0]
         progress(f"seed {best.record.start} of {len(found)} is the cheapest, by {best.found_by}")
     return Contest(tuple(found), 1)
+
+
+def _contested(problem: PlanningProblem) -> bool:
+    """Whether few agents of a map are in each other's way."""
+    few = problem.free_space is not None and problem.num_agents <= FEW_IN_A_MAP
+    return few and straight_conflicts(problem) > 0
 
 
 def _starts(

@@ -63,9 +63,6 @@ MENDED_PART, MENDED_PAIRS = 0.1, 4
 RELAXATION_STARTS = 10
 # Starts of search, besides the first, where cheapest ways and relaxation lead to hardly any class.
 SEARCHES = 2
-# Of so few agents in a map searches compete with relaxation where straight ways are clear too: they give way
-# in space or in time, whichever is cheaper, and take no long time.
-FEW = 8
 # Of more agents relaxation is the first rival: soon it says whether there is no room for any of them.
 CROWDED = 24
 # In larger crowds between walls rivals hardly ever find a way, and take half of the time to fail.
@@ -252,20 +249,25 @@ def find_seed(
     return portfolio.find(Budget(settings.rng_seed, deadline, progress))
 
 
-def prepare_portfolio(problem: PlanningProblem, deadline: float = float("inf")) -> Portfolio:
+def prepare_portfolio(
+    problem: PlanningProblem, deadline: float = float("inf"), *, contested: bool = False
+) -> Portfolio:
     """What all seeding of `problem` shares, made until `deadline` (s of `working_time`).
+
+    Args:
+        contested: whether others compete with relaxation where straight ways are clear of the walls.
 
     Raises:
         SeedingError: it is proven that there are no curves, or the deadline has passed.
     """
     with until(deadline):
         try:
-            return _portfolio(problem)
+            return _portfolio(problem, contested)
         except OutOfTimeError as error:
             raise SeedingError([out_of_limit(problem)]) from error
 
 
-def _portfolio(problem: PlanningProblem) -> Portfolio:
+def _portfolio(problem: PlanningProblem, contested: bool) -> Portfolio:
     problem, rendezvous = with_rendezvous(problem)
     reasons = hopeless(problem) or out_of_time(problem)
     if reasons:
@@ -277,7 +279,7 @@ def _portfolio(problem: PlanningProblem) -> Portfolio:
         relaxation = Relaxation(problem, OPEN_SWEEPS, levels)
         mended = MendedRelaxation(relaxation, Mending(levels))
         seeders = (mended, JointSearch(levels), Search(levels))
-        if many_radii or problem.free_space is None or problem.num_agents > FEW:
+        if many_radii or not contested:
             return Portfolio(problem, rendezvous, relaxation.required, seeders)
         soon = Rival(Search(levels, (SOON_EFFORT, SOON_EFFORT)), 1, patience=1)
         rivals = (soon, *_rivals(levels, relaxation))
