@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from stplan.bench import families_tight as tight
-from stplan.drafts import tight_seeds
+from stplan.drafts import WALKS, tight_seeds
 from stplan.errors import SeedingError
 from stplan.multistart import own_cost
 from stplan.problem.planning_problem import prepare
@@ -116,3 +116,27 @@ def test_what_cannot_be_prepared_is_said(portfolio, first):
     late = Budget(deadline=-math.inf)
     with pytest.raises(SeedingError, match="not shortened and given their knots within"):
         tight_seeds(portfolio.problem, replace(portfolio, rivals=()), first, 0.0, 1, late)
+
+
+def test_spare_seeders_are_asked_only_where_there_are_few_classes(portfolio, first, monkeypatch):
+    monkeypatch.setattr("stplan.drafts.improve_seed", lambda *_arguments, **_options: [])
+    others = [one.seeder for one in portfolio.rivals if not one.spare]
+    spare = Counted([SeedAttempt("never")])
+    rival = Rival(spare, 2, patience=1, spare=True)
+    seeds(portfolio, first, rival)
+    assert spare.asked == 1
+    seeds(portfolio, first, Rival(others[0], 4, patience=1), Rival(others[1], 4, patience=1), rival)
+    assert spare.asked == 1
+
+
+def test_walks_begin_at_drafts_of_different_classes(portfolio, first, monkeypatch):
+    begun = []
+
+    def improve_seed(levels, start, moves, budget, *, keep):
+        begun.append(signature(levels.problem, start.curves))
+        return [start]
+
+    monkeypatch.setattr("stplan.drafts.improve_seed", improve_seed)
+    tight_seeds(portfolio.problem, portfolio, first, 1.0, 1, Budget())
+    assert 1 < len(begun) <= WALKS
+    assert len(set(begun)) == len(begun)

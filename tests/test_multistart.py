@@ -10,7 +10,7 @@ import pytest
 
 from stplan.bench import families_open as wide
 from stplan.bench import families_tight as tight
-from stplan.multistart import best_seeds, own_cost, straight_conflicts
+from stplan.multistart import EFFORTS, Contest, best_seeds, own_cost, straight_conflicts
 from stplan.problem.planning_problem import PlanningProblem
 from stplan.scene.model import Scene
 from stplan.seeding.homotopy import signature
@@ -53,7 +53,7 @@ def test_auto_makes_more_starts_where_more_pairs_conflict() -> None:
 
 
 def tight_seeds(effort: str, starts: int | None = None):
-    scene = tight.warehouse(np.random.default_rng(1), robots=6)
+    scene = tight.warehouse(np.random.default_rng(1), robots=4)
     scene = replace(scene, solver=replace(scene.solver, effort=effort, starts=starts))
     problem = PlanningProblem.from_scene(scene, build_free_space(scene))
     contest = best_seeds(problem, progress=lambda line: None)
@@ -117,3 +117,26 @@ def test_own_cost_counts_lateness(preferred: float | None) -> None:
     late = [float(curve[-1, 2]) - (preferred or 0.0) for curve in seed.world_lines.curves()]
     expected = sum(gap**2 for gap in late) if preferred else 0.0
     assert more == pytest.approx(own_cost(scene, seed.world_lines) + expected)
+
+
+def contest_of(scene: Scene, effort: str = "normal", **solver) -> Contest:
+    scene = replace(scene, solver=replace(scene.solver, effort=effort, **solver))
+    problem = PlanningProblem.from_scene(scene, build_free_space(scene))
+    return best_seeds(problem, progress=lambda line: None)
+
+
+def test_where_few_agents_of_a_map_meet_others_compete_with_relaxation() -> None:
+    scene = tight.corridor_with_pocket(np.random.default_rng(2), half_width=2.2)
+    contest = contest_of(scene)
+    assert contest.seeds[0].record.starts > 1
+    assert contest.improvement > 0.0
+    alone = contest_of(replace(scene, agents=scene.agents[:1]))
+    assert (alone.seeds[0].record.starts, alone.improvement) == (1, 0.0)
+
+
+def test_only_plans_between_walls_are_to_be_improved_the_longer_the_more_effort() -> None:
+    scene = tight.corridor_with_pocket(np.random.default_rng(2), half_width=1.05)
+    quick, normal = (contest_of(scene, effort).improvement for effort in ("quick", "normal"))
+    assert 0.0 == quick < normal < EFFORTS["best"].improvement
+    assert contest_of(scene, starts=2).improvement == 0.0
+    assert contest_of(wide.circle(4, 4.0, 12.0)).improvement == 0.0

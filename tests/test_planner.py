@@ -9,16 +9,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from stplan.analysis.own_costs import own_costs
+from stplan.bench import families_tight as tight
 from stplan.bench.families_open import agent, circle, scene
 from stplan.certify.certificate import certify
 from stplan.clock import Clock
 from stplan.errors import BrokenSeedError, SolverError, StoppedError
 from stplan.files.json_file import json_bytes
+from stplan.improvement.budget import ImprovementBudget
 from stplan.multistart import best_seeds
 from stplan.optimize.whole import optimise_whole
 from stplan.planner import (
     check,
     find_initial_curves,
+    improve,
     plan,
     plan_files,
     prepare,
@@ -209,3 +213,22 @@ def test_stages_add_up() -> None:
     assert list(clock.seconds) == ["seed", "certify"]
     assert min(clock.seconds.values()) > 0
     assert clock.total >= sum(clock.seconds.values())
+
+
+def test_plans_between_walls_are_improved_by_a_counted_effort_and_never_dearer() -> None:
+    given = tight.corridor_with_pocket(np.random.default_rng(1), half_width=2.0)
+    given = replace(given, solver=replace(given.solver, knots=20))
+    first, again = plan(given), plan(given)
+    record = first.report.improvement
+    assert record is not None
+    assert record.moves > 1
+    assert record.cost_after <= record.cost_before
+    assert record.cost_after == pytest.approx(own_costs(first.scene, first.trajectories).sum())
+    assert first.certificate.holds
+    assert record == again.report.improvement
+    assert first.trajectories.knots.tolist() == again.trajectories.knots.tolist()
+    # What is asked for afterwards tries other moves.
+    later = improve(first, ImprovementBudget(moves=1)).report.improvement
+    assert (later.moves, later.cost_before) == (1, record.cost_after)
+    quick = replace(given, solver=replace(given.solver, effort="quick"))
+    assert plan(quick).report.improvement is None

@@ -161,3 +161,11 @@ def test_every_proposal_is_clear(move, circle):
                 for new, old in zip(proposed, curves, strict=True)
             )
     assert found > 0
+
+
+def test_an_effort_ends_it_too(crossing):
+    little, more = (
+        improved(crossing, 0, budget=ImprovementBudget(effort=effort)).record
+        for effort in (1.0, 30.0)
+    )
+    assert little.moves == 1 < more.moves
