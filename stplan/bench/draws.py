@@ -50,7 +50,7 @@ def _best(scene: Scene) -> Scene:
 METHODS: Mapping[str, Callable[[Scene], Scene]] = {
     "rng_seed 1": _seeded(1),
     "rng_seed 2": _seeded(2),
-    "best": _best,
+    "effort best": _best,
     "relaxation": _by("relaxation"),
     "search": _by("search"),
     "dijkstra": _by("dijkstra"),

@@ -278,12 +278,13 @@ def _portfolio(problem: PlanningProblem, contested: bool) -> Portfolio:
     if method == AUTO and (many_radii or straight_ways_are_clear(problem)):
         relaxation = Relaxation(problem, OPEN_SWEEPS, levels)
         mended = MendedRelaxation(relaxation, Mending(levels))
-        seeders = (mended, JointSearch(levels), Search(levels))
+        opened = Portfolio(
+            problem, rendezvous, relaxation.required, (mended, JointSearch(levels), Search(levels))
+        )
         if many_radii or not contested:
-            return Portfolio(problem, rendezvous, relaxation.required, seeders)
+            return opened
         soon = Rival(Search(levels, (SOON_EFFORT, SOON_EFFORT)), 1, patience=1)
-        rivals = (soon, *_rivals(levels, relaxation))
-        return Portfolio(problem, rendezvous, relaxation.required, seeders, rivals, levels)
+        return replace(opened, rivals=(soon, *_rivals(levels, relaxation)), levels=levels)
     required = requirement(problem, problem.scene.seeding.margin)
     if method != AUTO:
         return Portfolio(problem, rendezvous, required, (SEEDERS[method](problem),))
