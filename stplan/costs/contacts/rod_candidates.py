@@ -119,7 +119,8 @@ class RodCandidates:
 
     @cached_property
     def _finite(self) -> bool:
-        return bool((np.isfinite(self.reach) | ~self.collides).all())
+        finite = np.isfinite(self.reach)
+        return bool(finite.all() or (finite | ~self.collides).all())
 
     @cached_property
     def _segment_of_point(self) -> IntArray:

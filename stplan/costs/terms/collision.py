@@ -89,7 +89,9 @@ class Collision(ContactTerm):
         furthest = interactions.distance * (1 + padding)
         furthest += reach
         candidates: Candidates = RodCandidates(rods, collides, furthest, broad_phase)
-        skin = 0.5 * float(reach.max(where=collides & np.isfinite(reach), initial=-np.inf))
+        finite = np.isfinite(reach)
+        ending = collides if finite.all() else collides & finite
+        skin = 0.5 * float(reach.max(where=ending, initial=-np.inf))
         if not np.isfinite(skin):
             widest = (1 + padding) * interactions.distance.max(where=collides, initial=0.0)
             skin = 0.5 * max(1.0, float(widest))

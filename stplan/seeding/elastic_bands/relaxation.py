@@ -239,7 +239,7 @@ class _Relaxation:
         pairs = np.column_stack([codes // count, codes % count])
         contacts = np.bincount(pairs.ravel(), minlength=count)
         self.pace = np.clip(PLAIN_PACE_CONTACTS / np.maximum(contacts, 1), 1.0, FASTEST_PACE)
-        return [(int(a), int(b)) for a, b in pairs]
+        return [(a, b) for a, b in pairs.tolist()]
 
     def is_jammed(self, stuck: Sequence[tuple[int, int]]) -> bool:
         """Whether so many pairs are not clear that there is no room; none of them was pulled tight again."""

@@ -16,6 +16,9 @@ def resample_curve(curve: FloatArray, num_knots: int) -> FloatArray:
     wanted = num_knots - len(curve)
     if wanted <= 0:
         return curve.copy()
+    if len(curve) == 2:
+        parts = np.arange(num_knots - 1) / (num_knots - 1)
+        return np.vstack([curve[0] + (curve[1] - curve[0]) * parts[:, None], curve[1:]])
     duration = np.diff(curve[:, 2])
     length = np.hypot(*np.diff(curve[:, :2], axis=0).T)
     weight = duration / duration.sum() + length / max(float(length.sum()), 1e-9)
@@ -23,8 +26,8 @@ def resample_curve(curve: FloatArray, num_knots: int) -> FloatArray:
     pieces = 1 + (wanted * weight / weight.sum() * (1.0 - 1e-12)).astype(np.int64)
     for _ in range(len(weight) + wanted - int(pieces.sum())):
         pieces[np.argmax(weight / pieces)] += 1
-    parts = [
+    found = [
         curve[i] + (curve[i + 1] - curve[i]) * (np.arange(count) / count)[:, None]
         for i, count in enumerate(pieces)
     ]
-    return np.ascontiguousarray(np.vstack([*parts, curve[-1:]]))
+    return np.ascontiguousarray(np.vstack([*found, curve[-1:]]))
