@@ -11,13 +11,15 @@ intervals, the search is as large as the number of intervals.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from stplan.arrays import IntArray
 from stplan.compiled import inlined, inner, kernel
 from stplan.deadline import passed
 from stplan.geometry.growable import with_room
-from stplan.seeding.search.graph import UNREACHABLE, Graph, MoveRows
+from stplan.seeding.search.graph import Graph, MoveRows
 from stplan.seeding.search.heap import drop_root, push
 from stplan.seeding.search.journey import Journey, Window
 from stplan.seeding.search.reservations import CountArray
@@ -35,8 +37,10 @@ from stplan.seeding.search.safe_interval import (
     way_to,
 )
 
-# More columns of a label: rods run into, and rods that block waiting during its interval.
-_TOUCHED, _BLOCKED = STATE_COLUMNS, STATE_COLUMNS + 1
+# Columns of a label in place of those for the interval of a state: its interval, and rods run into.
+_INTERVAL, _TOUCHED = FIRST, LAST
+# Columns of an interval: its first and last instant, rods that block waiting, and its newest label.
+_FROM, _TO, _BLOCKED, _LABEL = range(4)
 
 
 class SoftIntervalSearch:
@@ -44,8 +48,11 @@ class SoftIntervalSearch:
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
-        self._labels: StateArray = np.empty((1 << 12, STATE_COLUMNS + 2), dtype=np.int32)
-        self._heap: IntArray = np.empty((1 << 12, 3), dtype=np.int64)
+        self._memory = _Memory(
+            np.empty((1 << 12, STATE_COLUMNS), dtype=np.int32),
+            np.empty((1 << 12, 4), dtype=np.int32),
+            np.empty((1 << 12, 3), dtype=np.int64),
+        )
 
     def path(
         self, journey: Journey, window: Window, table: CountArray, penalty: int
@@ -59,20 +66,34 @@ class SoftIntervalSearch:
             table: (M, L) counts of blocking rods.
             penalty: layers that arriving later is as bad as touching another rod.
         """
-        heads = np.full(journey.hops.shape, -1, np.int32)
-        counts = np.zeros(2, np.int64)
+        heads = np.full((*journey.hops.shape, 2), -1, np.int32)
+        counts = np.zeros(3, np.int64)
         tail = _rods_after(table[journey.targets[-1]], window.stays)
-        _begin(journey, window, table, heads, self._labels, self._heap, counts)
+        self._memory = _begin(journey, window, table, heads, self._memory, counts)
         while counts[1] > 0:
-            final, self._labels, self._heap = _search(
-                journey, window, self.graph.leaving, table, tail, penalty, heads, self._labels,
-                self._heap, counts, CHUNK,
+            final, self._memory = _search(
+                journey, window, self.graph.leaving, table, tail, penalty, heads, self._memory,
+                counts, CHUNK,
             )  # fmt: skip
             if final >= 0:
-                return way_to(final, window.first, self._labels)
+                return way_to(final, window.first, self._memory.labels)
             if passed():
                 return None
         return None
+
+
+class _Memory(NamedTuple):
+    """What a search notes down, all of it in arrays that grow.
+
+    Attributes:
+        labels: rows of the columns above.
+        intervals: of all vertices on all legs that have been reached, those of one beside each other.
+        heap: the queue; the last column says whether an entry stands for the whole way.
+    """
+
+    labels: StateArray
+    intervals: StateArray
+    heap: IntArray
 
 
 @kernel
@@ -92,62 +113,66 @@ def _more(now: int, before: int) -> int:
 
 
 @inner
-def _interval(
-    vertex: int, leg: int, instant: int, table: CountArray, heads: StateArray, labels: StateArray
-) -> tuple[int, int]:
-    """First and last instant of the interval of a vertex that holds an `instant`; of two the freer one."""
-    layer = instant
-    if instant > 0 and (
-        instant == table.shape[1] or table[vertex, instant - 1] < table[vertex, instant]
-    ):
-        layer -= 1
-    label = int(heads[leg, vertex])
-    while label >= 0:
-        if labels[label, FIRST] <= layer < labels[label, LAST]:
-            return int(labels[label, FIRST]), int(labels[label, LAST])
-        label = int(labels[label, NEXT])
-    first, last, blocked = layer, layer + 1, table[vertex, layer]
-    while first > 0 and table[vertex, first - 1] == blocked:
-        first -= 1
-    while last < table.shape[1] and table[vertex, last] == blocked:
-        last += 1
-    return first, last
+def _reach(
+    vertex: int, leg: int, table: CountArray, heads: StateArray, intervals: StateArray, count: int
+) -> int:
+    """Enter the intervals of a vertex on a leg unless they are known; how many intervals there are then.
+
+    `heads` (P, V, 2) are the first of them, -1 where they are not known, and the one after the last.
+    """
+    if heads[leg, vertex, 0] >= 0:
+        return count
+    heads[leg, vertex, 0] = count
+    first, num_layers = 0, table.shape[1]
+    for layer in range(1, num_layers + 1):
+        if layer == num_layers or table[vertex, layer] != table[vertex, first]:
+            intervals[count, _FROM], intervals[count, _TO] = first, layer
+            intervals[count, _BLOCKED], intervals[count, _LABEL] = table[vertex, first], -1
+            first = layer
+            count += 1
+    heads[leg, vertex, 1] = count
+    return count
+
+
+@inlined
+def _holding(instant: int, low: int, past: int, intervals: StateArray) -> int:
+    """The interval from `low` to before `past` that holds an instant, of two the earlier one."""
+    while past - low > 1:
+        middle = (low + past) >> 1
+        if intervals[middle, _FROM] < instant:
+            low = middle
+        else:
+            past = middle
+    return low
 
 
 @inner
 def _enter(
-    vertex: int, leg: int, interval: tuple[int, int], arrival: int, touched: int, parent: int,
-    table: CountArray, heads: StateArray, labels: StateArray, count: int,
+    interval: int, place: tuple[int, int], arrival: int, touched: int, parent: int,
+    labels: StateArray, intervals: StateArray, count: int,
 ) -> bool:  # fmt: skip
-    """Make a label, unless there is one as good."""
-    label = int(heads[leg, vertex])
+    """Make a label of an interval of a `place`, vertex and leg, unless there is one as good."""
+    label = int(intervals[interval, _LABEL])
     while label >= 0:
-        if (
-            labels[label, FIRST] == interval[0]
-            and labels[label, ARRIVAL] <= arrival
-            and labels[label, _TOUCHED] <= touched
-        ):
+        if labels[label, ARRIVAL] <= arrival and labels[label, _TOUCHED] <= touched:
             return False
         label = int(labels[label, NEXT])
-    labels[count, VERTEX], labels[count, LEG] = vertex, leg
-    labels[count, FIRST], labels[count, LAST] = interval
+    labels[count, VERTEX], labels[count, LEG] = place
+    labels[count, _INTERVAL], labels[count, _TOUCHED] = interval, touched
     labels[count, ARRIVAL], labels[count, PARENT] = arrival, parent
-    labels[count, NEXT] = heads[leg, vertex]
-    labels[count, _TOUCHED] = touched
-    labels[count, _BLOCKED] = table[vertex, interval[0]]
-    heads[leg, vertex] = count
+    labels[count, NEXT] = intervals[interval, _LABEL]
+    intervals[interval, _LABEL] = count
     return True
 
 
 @inner
-def _beaten(label: int, heads: StateArray, labels: StateArray) -> bool:
+def _beaten(label: int, labels: StateArray, intervals: StateArray) -> bool:
     """Whether a later label of the same interval is as good."""
-    other = int(heads[labels[label, LEG], labels[label, VERTEX]])
+    other = int(intervals[labels[label, _INTERVAL], _LABEL])
     # The newest come first.
     while other > label:
         if (
-            labels[other, FIRST] == labels[label, FIRST]
-            and labels[other, ARRIVAL] <= labels[label, ARRIVAL]
+            labels[other, ARRIVAL] <= labels[label, ARRIVAL]
             and labels[other, _TOUCHED] <= labels[label, _TOUCHED]
         ):
             return True
@@ -157,43 +182,45 @@ def _beaten(label: int, heads: StateArray, labels: StateArray) -> bool:
 
 @kernel
 def _begin(
-    journey: Journey, window: Window, table: CountArray, heads: StateArray, labels: StateArray,
-    heap: IntArray, counts: IntArray,
-) -> None:  # fmt: skip
+    journey: Journey, window: Window, table: CountArray, heads: StateArray, memory: _Memory,
+    counts: IntArray,
+) -> _Memory:  # fmt: skip
     """Enter the first label, if there is any way from the start.
 
-    `heads` (P, V) come filled with -1; `counts` (2,), of labels and of entries in the queue, with 0.
+    `heads` (P, V, 2) come filled with -1; `counts` (3,), of labels, of entries in the queue and of intervals,
+    with 0.
     """
     start, targets, hops, free = journey
     begun = 0
     while begun < len(targets) - 1 and start == targets[begun]:
         begun += 1
     if window.first + hops[begun, start] > window.last or not free[start]:
-        return
+        return memory
+    memory = _Memory(memory.labels, with_room(memory.intervals, table.shape[1]), memory.heap)
+    counts[2] = _reach(start, begun, table, heads, memory.intervals, 0)
     layer = min(window.first, table.shape[1] - 1)
-    first, last = layer, layer + 1
-    while last < table.shape[1] and table[start, last] == table[start, layer]:
-        last += 1
+    interval = _holding(layer + 1, 0, counts[2], memory.intervals)
     touched = int(table[start, layer])
-    _enter(start, begun, (first, last), window.first, touched, -1, table, heads, labels, 0)
-    push(heap, 0, 0, 0, 0)
+    place = (start, begun)
+    _enter(interval, place, window.first, touched, -1, memory.labels, memory.intervals, 0)
+    push(memory.heap, 0, 0, 0, 0)
     counts[0] = counts[1] = 1
+    return memory
 
 
 @kernel
 def _search(
     journey: Journey, window: Window, leaving: MoveRows, table: CountArray, tail: IntArray,
-    penalty: int, heads: StateArray, labels: StateArray, heap: IntArray, counts: IntArray,
-    most: int,
-) -> tuple[int, StateArray, IntArray]:  # fmt: skip
+    penalty: int, heads: StateArray, memory: _Memory, counts: IntArray, most: int,
+) -> tuple[int, _Memory]:  # fmt: skip
     """Search on, for at `most` so many labels taken from the queue.
 
-    The label at the goal, -1 if it is not found yet, and the working memory, which may have grown. An entry
-    of the queue says in its last column whether it stands for the whole way.
+    The label at the goal, -1 if it is not found yet, and the working memory, which may have grown.
     """
     targets, hops, free = journey.targets, journey.hops, journey.free
     num_layers = table.shape[1]
     last_leg = len(targets) - 1
+    labels, intervals, heap = memory
     count, size = counts[0], counts[1]
     taken = 0
     while size > 0 and taken < most:
@@ -202,23 +229,22 @@ def _search(
         drop_root(heap, size)
         size -= 1
         if final == 1:
-            return label, labels, heap
-        if _beaten(label, heads, labels):
+            return label, _Memory(labels, intervals, heap)
+        if _beaten(label, labels, intervals):
             continue
         vertex, leg = int(labels[label, VERTEX]), int(labels[label, LEG])
-        arrival, until = int(labels[label, ARRIVAL]), int(labels[label, LAST])
-        touched, blocked = int(labels[label, _TOUCHED]), int(labels[label, _BLOCKED])
+        interval, touched = int(labels[label, _INTERVAL]), int(labels[label, _TOUCHED])
+        until = int(intervals[interval, _TO])
         labels = with_room(labels, count + 1)
         heap = with_room(heap, size + 2)
         if leg == last_leg and vertex == targets[leg]:
-            key = arrival + penalty * (touched + tail[until])
+            key = labels[label, ARRIVAL] + penalty * (touched + tail[until])
             push(heap, size, key << 24, label, 1)
             size += 1
         to_go = hops[leg, vertex]
         if until < num_layers and until + to_go <= window.last:
-            own = touched + _more(table[vertex, until], blocked)
-            interval = _interval_from(vertex, until, table)
-            if _enter(vertex, leg, interval, until, own, label, table, heads, labels, count):
+            own = touched + _more(intervals[interval + 1, _BLOCKED], intervals[interval, _BLOCKED])
+            if _enter(interval + 1, (vertex, leg), until, own, label, labels, intervals, count):
                 push(heap, size, ((until + to_go + penalty * own) << 24) + to_go, count, 0)
                 size += 1
                 count += 1
@@ -231,42 +257,54 @@ def _search(
             while next_leg < last_leg and other == targets[next_leg]:
                 next_leg += 1
             to_go = hops[next_leg, other]
-            if to_go >= UNREACHABLE:
+            latest = min(until, num_layers - 1, window.last - 1 - to_go)
+            if latest < labels[label, ARRIVAL]:
                 continue
             # At most one of each for every layer.
             labels = with_room(labels, count + num_layers + 1)
             heap = with_room(heap, size + num_layers + 1)
-            latest = min(until, num_layers - 1, window.last - 1 - to_go)
+            intervals = with_room(intervals, counts[2] + num_layers)
+            counts[2] = _reach(other, next_leg, table, heads, intervals, counts[2])
             count, size = _walk(
-                move, (other, next_leg, to_go), label, latest, table, penalty, heads, labels, heap,
-                count, size,
+                table[move], (other, next_leg, to_go), label, latest, penalty, heads,
+                _Memory(labels, intervals, heap), count, size,
             )  # fmt: skip
     counts[0], counts[1] = count, size
-    return -1, labels, heap
+    return -1, _Memory(labels, intervals, heap)
 
 
 @inlined
 def _walk(
-    move: int, towards: tuple[int, int, int], label: int, latest: int, table: CountArray,
-    penalty: int, heads: StateArray, labels: StateArray, heap: IntArray, count: int, size: int,
+    passing: CountArray, towards: tuple[int, int, int], label: int, latest: int, penalty: int,
+    heads: StateArray, memory: _Memory, count: int, size: int,
 ) -> tuple[int, int]:  # fmt: skip
     """Labels of all intervals that a move reaches from one, leaving up to a layer; the counts after.
 
-    `towards`: the vertex and leg that it leads to, and hops to go from there.
+    Args:
+        passing: (L,) rods that block the move.
+        towards: the vertex and leg that it leads to, and hops to go from there.
     """
+    labels, intervals, heap = memory
     other, leg, to_go = towards
-    blocked, touched = int(labels[label, _BLOCKED]), int(labels[label, _TOUCHED])
-    layer = int(labels[label, ARRIVAL])
-    interval, least = (-1, -1), 0
+    blocked = intervals[labels[label, _INTERVAL], _BLOCKED]
+    touched, layer = int(labels[label, _TOUCHED]), int(labels[label, ARRIVAL])
+    past = heads[leg, other, 1]
+    reached, least = _holding(layer + 1, heads[leg, other, 0], past, intervals), 1 << 30
     while layer <= latest:
-        reached = _interval(other, leg, layer + 1, table, heads, labels)
-        if reached[0] != interval[0]:
-            interval, least = reached, 1 << 30
-        passing, there = table[move, layer], table[other, interval[0]]
-        own = _more(passing, blocked) + _more(there, passing)
+        # Of two intervals that meet at an instant it is the freer one.
+        while reached + 1 < past and (
+            intervals[reached, _TO] <= layer
+            or (
+                intervals[reached, _TO] == layer + 1
+                and intervals[reached + 1, _BLOCKED] < intervals[reached, _BLOCKED]
+            )
+        ):
+            reached, least = reached + 1, 1 << 30
+        there = intervals[reached, _BLOCKED]
+        own = _more(passing[layer], blocked) + _more(there, passing[layer])
         if own < least:
             least, total = own, touched + own
-            if _enter(other, leg, interval, layer + 1, total, label, table, heads, labels, count):
+            if _enter(reached, (other, leg), layer + 1, total, label, labels, intervals, count):
                 key = layer + 1 + to_go + penalty * total
                 push(heap, size, (key << 24) + to_go, count, 0)
                 size += 1
@@ -274,14 +312,5 @@ def _walk(
         # Leaving later is of use to touch fewer rods, or to reach the next interval there.
         layer += 1
         if least <= _more(there, blocked):
-            layer = max(layer, interval[1] - 1)
+            layer = max(layer, int(intervals[reached, _TO]) - 1)
     return count, size
-
-
-@inlined
-def _interval_from(vertex: int, first: int, table: CountArray) -> tuple[int, int]:
-    """The interval of a vertex that begins at an instant."""
-    last = first + 1
-    while last < table.shape[1] and table[vertex, last] == table[vertex, first]:
-        last += 1
-    return first, last
