@@ -20,20 +20,32 @@ from stplan.geometry.segments import (
 def rod_distance(first: FloatArray, second: FloatArray, limit: float) -> float:
     """Distance of two rods (n, 3), (m, 3) in (x, y, c t) with rising time, `limit` if larger; m.
 
-    Both are walked once in time: only segments whose times come within the limit are compared.
+    Both are walked once in time: only segments whose times, and boxes in the plane, come within the limit are
+    compared.
     """
     least = limit * limit
+    # Rounding must not hide anybody who is just within it.
+    reach = limit * (1.0 + 1e-9)
     begin = 0
     for i in range(len(first) - 1):
+        left, right = min(first[i, 0], first[i + 1, 0]), max(first[i, 0], first[i + 1, 0])
+        low, high = min(first[i, 1], first[i + 1, 1]), max(first[i, 1], first[i + 1, 1])
         while begin < len(second) - 2 and second[begin + 1, TIME] < first[i, TIME] - limit:
             begin += 1
         j = begin
         while j < len(second) - 1 and second[j, TIME] <= first[i + 1, TIME] + limit:
-            gap = squared_distance(
-                space_time_point(first, i), space_time_point(first, i + 1),
-                space_time_point(second, j), space_time_point(second, j + 1),
-            )  # fmt: skip
-            least = min(least, gap)
+            apart = max(
+                min(second[j, 0], second[j + 1, 0]) - right,
+                left - max(second[j, 0], second[j + 1, 0]),
+                min(second[j, 1], second[j + 1, 1]) - high,
+                low - max(second[j, 1], second[j + 1, 1]),
+            )
+            if apart <= reach:
+                gap = squared_distance(
+                    space_time_point(first, i), space_time_point(first, i + 1),
+                    space_time_point(second, j), space_time_point(second, j + 1),
+                )  # fmt: skip
+                least = min(least, gap)
             j += 1
     return np.sqrt(least)
 

@@ -50,7 +50,7 @@ def first_curves(
     for agent in (int(agent) for agent in rng.permutation(np.array(planner.movers))):
         if stopped():
             return None
-        path = planner.path(agent)
+        path = _path(planner, agent)
         if path is None:
             path = _least_touching(planner, agent, PENALTIES[0], rng)
         if path is None:
@@ -58,6 +58,16 @@ def first_curves(
         curves[agent] = planner.curve(agent, path)
         planner.add(planner.blocks(agent, curves[agent]))
     return curves
+
+
+def _path(planner: LayeredPlanner, agent: int, hold: int = 0) -> IntArray | None:
+    """The earliest way that touches nobody, None where there is none.
+
+    In a crowd none is sought but by those who are held: the one that touches fewest comes out as early.
+    """
+    if hold == 0 and len(planner.movers) > CROWD:
+        return None
+    return planner.path(agent, hold)
 
 
 def _least_touching(
@@ -143,13 +153,14 @@ def _replan(
         planner.remove(state.blocks(agent))
         state.put(agent, None)
     penalty = float(rng.choice(PENALTIES))
+    crowd = len(planner.movers) > CROWD
     for agent in (int(agent) for agent in rng.permutation(np.array(chosen))):
         slack = max(int(planner.slack[agent]), 0)
         hold = int(rng.integers(0, slack // 2 + 2)) if rng.random() < 0.4 else 0
-        path = None if stopped() else planner.path(agent, hold)
+        path = None if stopped() else _path(planner, agent, hold)
         if path is None and hold > 0 and not stopped():
-            path = planner.path(agent)
-        if path is None and not stopped() and rng.random() < 0.8:
+            path = _path(planner, agent)
+        if path is None and not stopped() and (crowd or rng.random() < 0.8):
             path = _least_touching(planner, agent, penalty, rng)
         curve = old[agent] if path is None else planner.curve(agent, path)
         state.put(agent, curve)
