@@ -66,11 +66,12 @@ class Bands(NamedTuple):
         rises = problem.time_scale * (problem.preferred_times - problem.start_times)
         first_segment = np.zeros(len(curves), dtype=np.int64)
         first_segment[agents] = np.cumsum(count[agents] - 1) - (count[agents] - 1)
+        sliding = may_slide(problem)
         knots = [in_metres(curve, problem.time_scale) for curve in curves]
         return Bands(
             positions=np.ascontiguousarray(np.vstack([*knots, ends])),
             hold=np.concatenate(
-                [_hold(problem, a, curve) for a, curve in enumerate(curves)]
+                [_hold(problem, a, curve, sliding[a]) for a, curve in enumerate(curves)]
                 + [np.full(len(tails), FIXED)]
             ).astype(np.int64),
             first_knot=first,
@@ -81,7 +82,7 @@ class Bands(NamedTuple):
             num_moving=int((count[~fixed] - 1).sum()),
             radii=problem.radii,
             ceilings=problem.time_scale * problem.max_times,
-            rest_rises=np.where(may_slide(problem), rises / np.maximum(count - 1, 1), 0.0),
+            rest_rises=np.where(sliding, rises / np.maximum(count - 1, 1), 0.0),
         )
 
     def knots(self, agent: int) -> FloatArray:
@@ -112,14 +113,14 @@ def may_slide(problem: PlanningProblem) -> BoolArray:
     return ~problem.prescribed & (~problem.stays | (problem.preferred_times < problem.max_times))
 
 
-def _hold(problem: PlanningProblem, agent: int, curve: FloatArray) -> IntArray:
-    """What of every knot may move."""
+def _hold(problem: PlanningProblem, agent: int, curve: FloatArray, slides: bool) -> IntArray:
+    """What of every knot may move, where the end `slides` or does not."""
     if problem.paths[agent] is not None:
         return np.full(len(curve), FIXED, dtype=np.int64)
     hold = np.full(len(curve), FREE, dtype=np.int64)
     hold[waypoint_knots(problem.waypoints[agent], curve)] = PINNED
     hold[0] = FIXED
-    hold[-1] = PINNED if may_slide(problem)[agent] else FIXED
+    hold[-1] = PINNED if slides else FIXED
     return hold
 
 

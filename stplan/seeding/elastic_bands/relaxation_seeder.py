@@ -86,6 +86,8 @@ def _why(problem: PlanningProblem, found: SeedAttempt) -> tuple[Reason, ...]:
 
 def straight_ways_are_clear(problem: PlanningProblem) -> bool:
     """Whether walls leave every agent its straight way through its waypoints."""
+    if problem.boundary is None:
+        return True
     for agent in range(problem.num_agents):
         stops = np.vstack([problem.starts[agent], problem.waypoints[agent], problem.goals[agent]])
         way = np.column_stack([stops, np.arange(len(stops))])
