@@ -7,7 +7,7 @@ whose trajectories do not hold their certificate, are refused.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +17,10 @@ from stplan.callbacks import Progress, Stop
 from stplan.certify.certificate import Certificate, certify
 from stplan.clock import Clock
 from stplan.errors import UsageError
+from stplan.files.details import DETAILS, Arrays, report_files
 from stplan.files.json_file import json_bytes, read_json
 from stplan.files.manifest import KEY, manifest, why_incomplete
-from stplan.files.npz_file import read_npz
+from stplan.files.npz_file import read_arrays, read_npz
 from stplan.files.recorded import REPORT, RUN_RECORD
 from stplan.files.trajectories import curve_files, read_trajectories
 from stplan.improvement.budget import ImprovementBudget, require_energy
@@ -45,6 +46,7 @@ class FinishedRun:
     Attributes:
         problem: of its scene.
         report, record: the content of report.json and run.json.
+        details: arrays that the report names.
     """
 
     problem: PlanningProblem
@@ -52,6 +54,7 @@ class FinishedRun:
     trajectories: WorldLines
     report: dict[str, Any]
     record: dict[str, Any]
+    details: Arrays = field(default_factory=dict)
 
     @property
     def scene(self) -> Scene:
@@ -103,7 +106,9 @@ def read_run(folder: Path, scene: Scene) -> FinishedRun:
     if not certificate.holds:
         raise UsageError(f"{folder}: {certificate.summary}; only certified runs are improved")
     seed = read_trajectories(folder / SEED)
-    return FinishedRun(problem, seed, lines, report, read_json(folder / RUN_RECORD))
+    details = folder / DETAILS
+    known = read_arrays(details) if details.exists() else {}
+    return FinishedRun(problem, seed, lines, report, read_json(folder / RUN_RECORD), known)
 
 
 def improve_run(
@@ -140,7 +145,8 @@ def improve_run(
     status = Status.INTERRUPTED if found.interrupted else status
     report |= {"status": status, "advice": status.advice}
     curves = {"seed": run.seed, "trajectories": found.world_lines}
-    contents = curve_files(scene, curves) | {REPORT: json_bytes(report)}
+    contents = curve_files(scene, curves)
+    contents |= report_files(report, len(scene.agents), run.details)
     seconds = dict(run.record.get("seconds", {}))
     for name in ("improve", "total"):
         seconds[name] = seconds.get(name, 0.0) + clock.seconds["improve"]

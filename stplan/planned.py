@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 
 from stplan.certify.certificate import Certificate
 from stplan.files.atomic import write_set
-from stplan.files.details import DETAILS, MOST, split_details
+from stplan.files.details import report_files
 from stplan.files.json_file import json_bytes
 from stplan.files.manifest import KEY, manifest
-from stplan.files.npz_file import arrays_bytes
-from stplan.files.recorded import REPORT, RUN_RECORD
+from stplan.files.recorded import RUN_RECORD
 from stplan.files.trajectories import curve_files
 from stplan.multistart import own_cost
 from stplan.problem.world_lines import WorldLines
@@ -77,12 +76,8 @@ def plan_files(result: Plan) -> dict[str, bytes]:
     curves = {"seed": result.seed}
     if result.trajectories is not None:
         curves["trajectories"] = result.trajectories
-    content = result.report.as_dict()
     contents = curve_files(result.scene, curves)
-    if len(result.scene.agents) > MOST:
-        content, details = split_details(content)
-        contents[DETAILS] = arrays_bytes(details)
-    contents[REPORT] = json_bytes(content)
+    contents |= report_files(result.report.as_dict(), len(result.scene.agents))
     return contents | {RUN_RECORD: json_bytes(result.run.as_dict() | {KEY: manifest(contents)})}
 
 

@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 
 from stplan.cli.app import main
+from stplan.files import details
 from stplan.files.manifest import why_incomplete
+from stplan.files.npz_file import read_arrays
 
 SCENE = """\
 stplan: 1
@@ -81,3 +83,20 @@ def test_what_cannot_be_improved_is_refused_and_left_alone(damage, finished, cap
     assert stplan("improve", finished, "--budget", budget) == 2
     assert contents(finished) == before
     assert capsys.readouterr().err
+
+
+def test_details_of_many_agents_are_those_of_the_improved_plan(tmp_path, monkeypatch):
+    monkeypatch.setattr(details, "MOST", 2)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "three.yaml").write_text(SCENE.replace("starts: 1", "outer_iterations: 2"))
+    assert stplan("solve", "three.yaml") == 0
+    folder = tmp_path / "outputs/three"
+    before = read_arrays(folder / "details.npz")
+    assert stplan("improve", folder, "--budget", "4") == 0
+    after = read_arrays(folder / "details.npz")
+    assert after.keys() == before.keys()
+    assert why_incomplete(folder) == ""
+    for table in (report(folder)[part]["agents"] for part in ("metrics", "bound")):
+        assert set(table["arrays"]) <= after.keys()
+    seeds = report(folder)["seed"]["metrics"]["agents"]["arrays"]
+    assert all(after[name].tolist() == before[name].tolist() for name in seeds)

@@ -12,10 +12,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stplan.files.json_file import json_bytes
+from stplan.files.npz_file import arrays_bytes
+from stplan.files.recorded import REPORT
+
 DETAILS = "details.npz"
 MOST = 1_000
 
 Arrays = dict[str, NDArray[Any]]
+
+
+def report_files(
+    content: Mapping[str, Any], num_agents: int, known: Mapping[str, NDArray[Any]] | None = None
+) -> dict[str, bytes]:
+    """The report with this `content` on so many agents, and its details if they are many, by file name.
+
+    `known` are arrays that the content names already.
+    """
+    if num_agents <= MOST:
+        return {REPORT: json_bytes(content)}
+    short, details = split_details(content)
+    return {DETAILS: arrays_bytes({**(known or {}), **details}), REPORT: json_bytes(short)}
 
 
 def split_details(content: Mapping[str, Any]) -> tuple[dict[str, Any], Arrays]:

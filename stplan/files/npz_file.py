@@ -82,11 +82,16 @@ def read_npz(path: Path) -> NpzContent:
     Raises:
         UsageError: headed by the file and the key.
     """
+    return _Checked(Path(path), read_arrays(path)).content()
+
+
+def read_arrays(path: Path) -> dict[str, np.ndarray[Any, Any]]:
+    """All arrays of a file by name. Raises UsageError where it cannot be read."""
     path = Path(path)
     try:
         # By hand too: numpy.load leaves the file open where the zip in it is broken.
         with path.open("rb") as stream, zipfile.ZipFile(stream) as archive:
-            arrays = {
+            return {
                 name.removesuffix(".npy"): npy_format.read_array(
                     io.BytesIO(archive.read(name)), allow_pickle=False
                 )
@@ -96,7 +101,6 @@ def read_npz(path: Path) -> NpzContent:
         raise UsageError(f"cannot read {path}: {error.strerror}") from error
     except _BROKEN as error:
         raise UsageError(f"{path}: not a readable .npz file: {error}") from error
-    return _Checked(path, arrays).content()
 
 
 class _Checked:
