@@ -165,7 +165,10 @@ def door(rng: np.random.Generator, *, per_side: int = 0) -> Scene:
 def warehouse(
     rng: np.random.Generator, *, robots: int = 0, columns: int = 5, rows: int = 4
 ) -> Scene:
-    """10 to 30 robots move between random spots of single-lane aisles around blocks of shelves."""
+    """10 to 30 robots move between random spots of single-lane aisles around blocks of shelves.
+
+    In a hall of more than 17 columns there is time in proportion to them.
+    """
     robots = robots or int(rng.integers(10, 31))
     lane = RADIUS * float(rng.uniform(2.3, 2.8))
     width, height = 5.0 * RADIUS, 3.0 * RADIUS
@@ -182,9 +185,8 @@ def warehouse(
                 spots.append((x + lane + width / 2, y + lane / 2))
     starts = [spots[index] for index in rng.permutation(len(spots))[:robots]]
     goals = [spots[index] for index in rng.permutation(len(spots))[:robots]]
-    return make_scene(
-        "warehouse", outer, obstacles, list(zip(starts, goals, strict=True)), horizon=90
-    )
+    journeys = list(zip(starts, goals, strict=True))
+    return make_scene("warehouse", outer, obstacles, journeys, horizon=90 * max(columns / 17, 1.0))
 
 
 def cabin(rng: np.random.Generator, *, depth: int = 0, passengers: int = 0, rows: int = 6) -> Scene:

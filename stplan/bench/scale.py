@@ -34,6 +34,8 @@ BANDWIDTH = 125e6
 AGENTS, WORKERS = (10_000, 100_000), (1, 8, 64)
 # Everybody's curves travel so often: in three sweeps, each in some eight groups of parts, and there and back.
 JOURNEYS = 3 * 8 * 2
+# For initial curves of halls, s.
+SEEDING_TIME = 150.0
 
 
 @dataclass(frozen=True)
@@ -114,11 +116,17 @@ def cases() -> list[ScaleCase]:
 
 
 def _warehouse(robots: int, columns: int, rows: int) -> Scene:
-    return tight.warehouse(np.random.default_rng(0), robots=robots, columns=columns, rows=rows)
+    rng = np.random.default_rng(0)
+    return _with_time(tight.warehouse(rng, robots=robots, columns=columns, rows=rows))
 
 
 def _pillars(count: int) -> Scene:
-    return tight.pillars(np.random.default_rng(0), agents=count)
+    return _with_time(tight.pillars(np.random.default_rng(0), agents=count))
+
+
+def _with_time(scene: Scene) -> Scene:
+    """`scene` with as much time for initial curves as the largest halls are asked to be planned in."""
+    return replace(scene, seeding=replace(scene.seeding, time_limit=SEEDING_TIME))
 
 
 def measure(

@@ -28,3 +28,15 @@ def test_a_cabin_of_sixteen_changes_seats():
     scene = tight.cabin(np.random.default_rng(1004), depth=1, passengers=16, rows=9)
     seed = find_seed(prepare(scene), progress=lambda line: None)
     assert len(seed.world_lines.agent_ids) == 16
+
+
+@pytest.mark.parametrize("agents", [16, 24, 100])
+def test_pillars_leave_room_for_all_who_start_beside_each_other(agents):
+    scene = tight.pillars(np.random.default_rng(0), agents=agents)
+    assert len(scene.agents) == agents
+    for ends in ("start", "goal"):
+        places = np.array([getattr(agent, ends) for agent in scene.agents])
+        apart = np.hypot(*np.moveaxis(places[:, None] - places[None], 2, 0))
+        np.fill_diagonal(apart, np.inf)
+        assert apart.min() > 2.0 * tight.RADIUS
+    assert scene.horizon / np.sqrt(len(scene.map.obstacles)) == pytest.approx(12.0)

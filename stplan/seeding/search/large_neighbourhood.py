@@ -34,6 +34,8 @@ CROWD = 60
 LAYERS_A_ROD = 1000
 # One more touching pair is accepted with this probability, two with its square.
 ACCEPT_WORSE = 0.04
+# What is worse by more pairs than this is not looked at further in a crowd.
+MOST_WORSE = 1
 
 
 def first_curves(
@@ -109,9 +111,9 @@ def replan_neighbourhoods(
             break
         iterations += 1
         before = state.copy()
-        _replan(planner, state, chosen, rng, stopped)
+        whole = _replan(planner, state, chosen, rng, stopped, before.num_conflicts + MOST_WORSE)
         worse = state.num_conflicts - before.num_conflicts
-        if worse > 0 and rng.random() > ACCEPT_WORSE**worse:
+        if not whole or (worse > 0 and rng.random() > ACCEPT_WORSE**worse):
             for agent in chosen:
                 planner.remove(state.blocks(agent))
                 planner.add(before.blocks(agent))
@@ -146,8 +148,12 @@ def _replan(
     chosen: list[int],
     rng: np.random.Generator,
     stopped: Stop,
-) -> None:
-    """Give the `chosen` agents other curves, one after another in random order, unless `stopped`."""
+    most: int,
+) -> bool:
+    """Give the `chosen` agents other curves, one after another in random order, unless `stopped`.
+
+    In a crowd the rest is left out when more than `most` pairs touch: False then.
+    """
     old = {agent: state.curves[agent] for agent in chosen}
     for agent in chosen:
         planner.remove(state.blocks(agent))
@@ -165,3 +171,6 @@ def _replan(
         curve = old[agent] if path is None else planner.curve(agent, path)
         state.put(agent, curve)
         planner.add(state.blocks(agent))
+        if crowd and state.num_conflicts > most:
+            return False
+    return True
