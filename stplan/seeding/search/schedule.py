@@ -122,14 +122,15 @@ def _run_stage(
     """One stage: three planners and a joint search, each with an effort that grows with the stage's."""
     count = len(planner.movers)
     stopped = budget.spent
-    orders = 1 if count > CROWD else 5 + min(count, 10)
+    # Hardly any order of a crowd works out, and its neighbourhoods take long to part.
+    orders, rounds = (1, 10 * count) if count > CROWD else (5 + min(count, 10), 40 + 2 * count)
     ordered = plan_prioritized(planner, rng, stage.effort * orders, stopped)
     if ordered.clear:
         return ordered
     first = first_curves(planner, rng, stopped)
     if first is None:
         return ordered
-    mended = replan_neighbourhoods(planner, first, rng, stage.effort * (40 + 2 * count), stopped)
+    mended = replan_neighbourhoods(planner, first, rng, stage.effort * rounds, stopped)
     tries = ordered.tries + mended.tries
     if mended.clear:
         return mended.counting(tries)
