@@ -54,7 +54,7 @@ LEAST_HELD = 1.0005
 # labels; about a second. An agent weighs so many labels, by what it takes to shorten its curve.
 IMPROVEMENT_WORK, AGENT_WORK = 8 * 10**7, 3 * 10**4
 # Few agents have few classes.
-MOST_MOVES, MOVES_AN_AGENT = 120, 15
+MOST_MOVES, MOVES_AN_AGENT = 240, 24
 
 
 def worthwhile_moves(levels: Levels) -> int:
