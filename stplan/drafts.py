@@ -3,8 +3,8 @@
 A draft is what one start of a seeder found, shortened a little: enough to tell what it will cost. Seeders
 differ more than their starts do, so all rivals of the portfolio are asked; one whose drafts fail or cost far
 more than the best is asked no more, and nobody is once one has found that there is no room. The cheapest
-drafts are then improved by large-neighbourhood search, and only the cheapest of different homotopy classes are
-tightened and given their knots.
+drafts are then improved by large-neighbourhood search, and only the cheapest of different homotopy classes
+are tightened and given their knots.
 
 All efforts are counted. The time limit is the only clock: a draft that is not made in time is not made at
 all, and some of the limit is kept for the preparation of those that are.
