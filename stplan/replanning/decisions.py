@@ -109,13 +109,17 @@ class Decisions:
         self._index = {agent.id: a for a, agent in enumerate(self._agents)}
         self._known: dict[tuple[int, int], Distances] = {}
 
-    def wish(self, a: int) -> Wish | None:
-        """What an agent wants; None where it knows of nobody to want it of."""
+    def wish(self, a: int, berths: FloatArray | None = None) -> Wish | None:
+        """What an agent wants; None where it knows of nobody to want it of.
+
+        `berths` (A,) are how far it goes around others on its way to a point where it has to, m.
+        """
         agent = self._agents[a]
         goal = agent.moving_goal
         if goal is None:
             fixed = np.array(agent.goal)
-            return Wish(self._grounds[a].distances_to(fixed), fixed=fixed)
+            usable = None if berths is None else self._around(a, berths)
+            return Wish(self._grounds[a].distances_to(fixed, usable), fixed=fixed)
         others = [b for name in goal.others if self._seen[a, b := self._index[name]]]
         if not others:
             return None
@@ -127,6 +131,14 @@ class Decisions:
         if goal.kind == "pursue":
             return Wish(self._intercept(a, others))
         return self._escape(a, others)
+
+    def _around(self, a: int, berths: FloatArray) -> BoolArray:
+        """(N,) which spots are clear of where those are whom an agent sees."""
+        spots = self._grounds[a].spots
+        usable = np.ones(len(spots), dtype=bool)
+        for b in np.flatnonzero(self._seen[a] & (berths > 0.0)).tolist():
+            usable &= np.hypot(*(spots - self._places[b]).T) > berths[b]
+        return usable
 
     def _from(self, ground: Ground, a: int) -> Distances:
         """To where an agent is."""

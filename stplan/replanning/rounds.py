@@ -36,6 +36,8 @@ WINDOWS = (1, 2)
 ROOM = 1e-6
 # How much who evades minds a metre too near to a pursuer, in metres of way.
 FEAR = 20.0
+# Who has stood for so many rounds short of its goal goes around those who are in its way for so many rounds.
+PATIENCE, DETOUR = 2, 6
 # A motion has to lead this much nearer than the one before in the order of the fan, m.
 BETTER = 1e-9
 
@@ -103,6 +105,12 @@ class _Game:
         self._seen = np.ones((count, count), dtype=bool)
         self._caught: list[Caught] = []
         self._captures = captures(scene)
+        self._goals = np.array(
+            [one.goal if one.moving_goal is None else (np.nan, np.nan) for one in agents]
+        )
+        # For how many rounds each has stood, and still goes around others.
+        self._stood = np.zeros(count, dtype=np.int64)
+        self._detour = np.zeros(count, dtype=np.int64)
         self.now = 0
         self._rounds = 0
 
@@ -114,14 +122,26 @@ class _Game:
         gaps = np.hypot(*np.moveaxis(here[:, None] - here[None], -1, 0))
         self._seen = self._present[None, :] & (gaps <= self._sight[:, None])
         self._seen &= self._hiding.seen(here)
+        self._lose_patience(here)
         decisions = Decisions(self._field, here, velocities, self._seen)
         wishes = [
-            decisions.wish(a) if self._present[a] else None for a in range(len(self._present))
+            decisions.wish(a, self._apart[a] if self._detour[a] else None)
+            if self._present[a]
+            else None
+            for a in range(len(self._present))
         ]
         for a in np.flatnonzero(self._present).tolist():
             self._choose(a, wishes[a], velocities[a])
         self.now = min(now + self._steps, self.last)
         self._catch(now)
+
+    def _lose_patience(self, here: FloatArray) -> None:
+        """Who has stood for long short of its goal goes around others for a while."""
+        before = self._places[:, max(self.now - self._steps, 0)]
+        self._stood = np.where((here == before).all(axis=1), self._stood + 1, 0)
+        waits = (here != self._goals).any(axis=1) & np.isfinite(self._goals[:, 0])
+        stuck = waits & (self._stood > PATIENCE)
+        self._detour = np.where(stuck, DETOUR, np.maximum(self._detour - 1, 0))
 
     def played(self) -> Played:
         """What happened until now."""

@@ -260,3 +260,21 @@ def test_short_sight_makes_slow() -> None:
 def test_how_far_one_sees_is_part_of_the_meaning() -> None:
     hashes = {encounter(0, (r, r + 1e-6)).content_hash for r in (1.0, 2.0)}
     assert len(hashes) == 2
+
+
+HEAD_ON = """\
+stplan: 1
+horizon: 30
+map: {rectangle: [0, 0, 10, 6]}
+defaults: {max_speed: 1.3, perception: {radius: 1.5}}
+agents:
+  - {id: a, start: [1, 3], goal: [9, 3]}
+  - {id: b, start: [9, 3.1], goal: [1, 3.1]}
+  - {id: c, start: [5, 1], goal: [5, 5]}
+"""
+
+
+def test_who_stand_face_to_face_go_around_each_other() -> None:
+    found = plan(parse_scene(HEAD_ON))
+    assert found.exit_status == 0
+    assert found.certificate.holds
