@@ -90,8 +90,9 @@ class CostBound:
 def cost_bound(problem: PlanningProblem, lines: WorldLines) -> CostBound:
     """What the agents of `lines`, a plan of `problem` as the user's in scene order, pay and have to pay."""
     legs = shortest_legs(problem)
-    least = problem.frame.cost * _least_alone(problem, legs)
-    return bound_with(problem.written.scene, lines, least, joint_bounds(problem, legs))
+    least = _least_alone(problem, legs)
+    together = joint_bounds(problem, legs, least)
+    return bound_with(problem.written.scene, lines, problem.frame.cost * least, together)
 
 
 def bound_with(

@@ -1,8 +1,8 @@
 """What groups of agents have to pay beyond what each would pay alone, because they are in each other's way.
 
-Every agent is in one group at most, so what groups pay more adds up to what all pay alone. Only agents whose
-least cost alone is that of an even pace from start to goal until their latest arrival are in groups: those
-without waypoints, with one goal, that do not mind when they arrive.
+Every agent is in one group at most, so what groups pay more adds up to what all pay alone. But for those who
+have to meet, only agents whose least cost alone is that of an even pace from start to goal until their latest
+arrival are in groups: those without waypoints, with one goal, that do not mind when they arrive.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 from stplan.analysis.evasions import MOST, Movers, evading_groups
 from stplan.analysis.gates import Gate, find_gates
 from stplan.analysis.lanes import find_lanes, opposed_in
+from stplan.analysis.meetings import meeting_bound
 from stplan.analysis.opposed import opposed_bound
 from stplan.analysis.queues import Passers, least_asides, queue_bound
 from stplan.arrays import FloatArray, IntArray, Point
@@ -39,10 +40,10 @@ class Together:
         agents: (n,) sorted.
         extra: J s.
         place: where, m.
-        width: of the gate or lane, m; None where they cross each other's ways.
+        width: of the gate or lane, m; None where they cross each other's ways or meet.
     """
 
-    kind: Literal["gate", "lane", "crossing"]
+    kind: Literal["gate", "lane", "crossing", "meeting"]
     agents: IntArray
     extra: float
     place: Point
@@ -59,13 +60,17 @@ class Together:
         }
 
 
-def joint_bounds(problem: PlanningProblem, legs: Sequence[FloatArray]) -> tuple[Together, ...]:
+def joint_bounds(
+    problem: PlanningProblem, legs: Sequence[FloatArray], least: FloatArray
+) -> tuple[Together, ...]:
     """Groups of agents and what each pays at least beyond what its agents would pay alone.
 
     Args:
         legs: (w + 1,) lower bounds of the ways of every agent between its stops, m.
+        least: (A,) what each would pay alone, J s.
     """
-    paced = _even_paced(problem)
+    meetings = _disjoint(_meetings(problem, least), _members([]))
+    paced = np.setdiff1d(_even_paced(problem), _members(meetings))
     gates = find_gates(problem, paced.tolist(), legs)
     asked = [own for own in (_passers(problem, gate) for gate in gates) if own is not None]
     pairs = _opposed(problem, paced, legs)
@@ -76,7 +81,8 @@ def joint_bounds(problem: PlanningProblem, legs: Sequence[FloatArray]) -> tuple[
         rest = [queue.without(_members(lanes)) for queue in asked]
         options.append(lanes + _best_queues(problem, [own for own in rest if own.crowded]))
     found = max(options, key=lambda groups: sum(group.extra for group in groups))
-    return (*found, *_crossings(problem, np.setdiff1d(paced, _members(found)), legs))
+    crossings = _crossings(problem, np.setdiff1d(paced, _members(found)), legs)
+    return (*meetings, *found, *crossings)
 
 
 def _members(groups: Sequence[Together]) -> IntArray:
@@ -91,6 +97,21 @@ def _disjoint(groups: Sequence[Together], taken: IntArray) -> list[Together]:
         if not np.isin(group.agents, taken).any():
             found.append(group)
             taken = np.append(taken, group.agents)
+    return found
+
+
+def _meetings(problem: PlanningProblem, least: FloatArray) -> list[Together]:
+    """Pairs that have to meet."""
+    found = []
+    for one in problem.meetings:
+        pair = np.array([one.first, one.second])
+        bound = meeting_bound(problem, one.first, one.second, one.meet.within)
+        alone = float(least[pair].sum())
+        extra = 0.0 if bound is None else (1.0 - ROUNDING) * bound - alone
+        if extra > NEGLIGIBLE * alone:
+            middle = 0.25 * (problem.starts[pair] + problem.goals[pair]).sum(axis=0)
+            x, y = problem.frame.points(middle[None])[0].tolist()
+            found.append(Together("meeting", pair, extra * problem.frame.cost, (x, y)))
     return found
 
 

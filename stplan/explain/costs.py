@@ -86,6 +86,7 @@ def _conflict_fact(conflict: Conflict) -> Fact:
         "gate": f"pass {conflict.width or 0.0:.4g} m at {where} one after another",
         "lane": f"are opposed in a lane of {conflict.width or 0.0:.4g} m around {where}",
         "crossing": f"cross each other's ways around {where}",
+        "meeting": "have to meet",
     }[conflict.kind]
     return Fact(
         f"{names(conflict.agents)} {what}, for which they pay at least {conflict.extra:.3g} more on any plan",

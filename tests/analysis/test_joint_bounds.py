@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stplan.analysis import joint_bounds, queues
-from stplan.analysis.cost_bound import cost_bound
+from stplan.analysis.cost_bound import cost_bound, least_costs
 from stplan.analysis.shortest_trips import shortest_legs
 from stplan.bench import families_tight as tight
 from stplan.planner import plan, prepare
@@ -33,7 +33,7 @@ agents:
 
 def joint(scene):
     problem = prepare(scene)
-    return joint_bounds.joint_bounds(problem, shortest_legs(problem))
+    return joint_bounds.joint_bounds(problem, shortest_legs(problem), least_costs(problem))
 
 
 @pytest.mark.parametrize("method", ["search", "relaxation", "dijkstra"])

@@ -47,6 +47,14 @@ def test_gates_that_all_have_to_queue_at_are_named():
     )
 
 
+def test_who_has_to_meet_is_named():
+    meeting = Together("meeting", np.array([0, 1]), 1.25, (0.5, -2.0))
+    found = CostBound(("ann", "bob"), np.array([3.0, 3.0]), np.ones(2), (meeting,))
+    assert cost_section(found).facts[0].sentence == (
+        "ann and bob have to meet, for which they pay at least 1.25 more on any plan"
+    )
+
+
 def test_a_crowd_that_shares_alike_is_not_all_named():
     assert len(payments(bound([2.0] * 50, [1.0] * 50))) == 10
 
