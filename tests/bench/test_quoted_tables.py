@@ -31,7 +31,7 @@ def test_the_page_has_a_table_of_every_benchmark_and_its_pictures():
     blocks = re.findall(r"<!-- bench (\w+) -->\n(.*?)<!-- end -->", PAGE, re.DOTALL)
     assert [name for name, _ in blocks] == [
         "machine", "figures", "agents", "knots", "walls", "rival", "convergence", "paper",
-        "repulsion", "quality", "metric", "crowds", "batch", "scale", "replanning", "movingai",
+        "repulsion", "quality", "draws", "metric", "crowds", "batch", "scale", "replanning", "movingai",
         "startup",
     ]  # fmt: skip
     assert all(text.strip() for _, text in blocks)
