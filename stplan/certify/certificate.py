@@ -82,7 +82,9 @@ class Certificate:
     @property
     def summary(self) -> str:
         """One line."""
-        verdict = "holds" if self.holds else f"IS BROKEN ({len(self.violations)} violations)"
+        count = len(self.violations)
+        broken = f"IS BROKEN ({count} violation{'' if count == 1 else 's'})"
+        verdict = "holds" if self.holds else broken
         spot = "nothing interacts" if self.smallest is None else f"tightest {self.smallest}"
         return f"certificate {verdict}; {spot}{self._eased}"
 

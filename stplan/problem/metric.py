@@ -22,6 +22,9 @@ from stplan.scene.model import Scene
 # c over the median speed that agents need, where nobody has to go around walls, and elsewhere: there
 # agents hurry and wait, some five times as fast as they would have to.
 OPEN_SHARE, WALLED_SHARE = 4.0, 16.0
+# c over the median speed that agents need where some are friends, who are drawn together in space-time: what
+# that costs depends on the metric, so it is that of the speeds themselves.
+FRIENDS_SHARE = 1.0
 # c over the median top speed, where arrivals are to be early: a follower keeps a thirtieth more than R.
 HASTE_SHARE = 4.0
 # c over the speed that most segments of a seed stay below.
@@ -39,12 +42,11 @@ def with_metric(problem: PlanningProblem) -> PlanningProblem:
     """The problem with the metric for seeding, where its scene leaves that open."""
     if problem.scene.metric != "auto":
         return problem
-    # Friends are drawn together in space-time: what that costs depends on the metric.
     if problem.interactions.grouping.any():
-        return _fixed_apart(_at(problem, problem.time_scale))
+        return _fixed_apart(_at(problem, _needed(problem, FRIENDS_SHARE, FRIENDS_SHARE)))
     if problem.scene.minimise != "energy":
         return _fixed_apart(_at(problem, HASTE_SHARE * _top_speed(problem)))
-    return _fixed_apart(_at(problem, _needed(problem)))
+    return _fixed_apart(_at(problem, _needed(problem, OPEN_SHARE, WALLED_SHARE)))
 
 
 def sharpened(problem: PlanningProblem, lines: WorldLines) -> PlanningProblem:
@@ -68,8 +70,8 @@ def sharpened(problem: PlanningProblem, lines: WorldLines) -> PlanningProblem:
     return _at(problem, min(max(wanted, now), MOST_GROWTH * now))
 
 
-def _needed(problem: PlanningProblem) -> float:
-    """c from the speeds that agents need at least; as it is where nobody moves."""
+def _needed(problem: PlanningProblem, open_share: float, walled_share: float) -> float:
+    """c over the speeds that agents need, straight on or around walls; as it is where nobody moves."""
     lengths = np.array([legs.sum() for legs in shortest_lengths(problem)])
     straight = np.array([np.hypot(*np.diff(stops, axis=0).T).sum() for stops in problem.stops])
     moving = ~problem.prescribed & (lengths > 0.0)
@@ -78,7 +80,7 @@ def _needed(problem: PlanningProblem) -> float:
     available = problem.preferred_times - problem.start_times
     speed = float(np.median(lengths[moving] / available[moving]))
     bent = bool((lengths > (1.0 + BENT) * straight)[moving].any())
-    return (WALLED_SHARE if bent else OPEN_SHARE) * speed
+    return (walled_share if bent else open_share) * speed
 
 
 def _top_speed(problem: PlanningProblem) -> float:

@@ -213,7 +213,7 @@ def test_check_a_run(stage, run):
     result = run("check", "outputs/one", *elsewhere)
     assert result.status == 1
     verdict, *violations = result.out.splitlines()
-    assert verdict.startswith("one: certificate IS BROKEN (1 violations)")
+    assert verdict.startswith("one: certificate IS BROKEN (1 violation)")
     assert violations[0].startswith("ann: ")
     result = run("check", "outputs/one", "outputs/one/seed.csv", "--json", *elsewhere)
     assert result.status == 1

@@ -123,12 +123,18 @@ def test_nobody_who_moves_needs_no_metric():
 
 
 def test_friends_keep_the_metric_that_their_pull_is_measured_in():
-    found = prepare(scene(more="pairs: [{between: [sam, ann], grouping: 1.0}]\n"))
-    assert found.time_scale == 1.0
+    friends = "pairs: [{between: [sam, ann], grouping: 1.0}]\n"
+    found = prepare(scene(more=friends))
+    assert found.time_scale == pytest.approx(2.0, rel=1e-6)
     lines = WorldLines.from_curves(
         found.agent_ids, [np.array([[0, 0, 0], [20, 0, 1.0]]), np.array([[20, 3, 0], [0, 3, 1.0]])]
     )
     assert sharpened(found, lines) is found
+    small = [
+        one.replace("20", "20000").replace(" 3]", " 3000]").replace("0.5", "500")
+        for one in (SAM, ANN)
+    ]
+    assert prepare(scene("".join(small), friends)).time_scale == pytest.approx(2000.0, rel=1e-6)
 
 
 def test_a_convoy_goes_straight():
