@@ -28,6 +28,7 @@ class _Moment:
     """What happens at one time: edits of the tree, and what is said of them."""
 
     edits: list[Callable[[dict[str, Any]], None]] = field(default_factory=list)
+    concerned: set[str] = field(default_factory=set)
     removed: set[str] = field(default_factory=set)
     delays: list[tuple[str, float]] = field(default_factory=list)
     causes: list[str] = field(default_factory=list)
@@ -77,6 +78,10 @@ def compile_events(
         later, wrong = read(deepcopy(world))
         if later is None or wrong:
             return (), [(moment.path, f"{path}: {text}") for path, text in wrong]
+        faults += [
+            (moment.path, f"{name!r} was taken away before")
+            for name in sorted(moment.concerned & removed)
+        ]
         removed |= moment.removed
         faults += _unfit(later, known, moment, at)
         known |= {agent.id for agent in later.agents}
@@ -149,6 +154,7 @@ def _enter(
 ) -> None:
     """Note in `moment` what an event does; obstacles that go do so in a moment of their own."""
     cause = ""
+    moment.concerned |= {name for name in (event.agent, event.remove) if name is not None}
     if event.agent is not None:
         name = event.agent
         if event.delay is not None:

@@ -124,3 +124,8 @@ def test_events_go_with_the_usual_objective_alone() -> None:
     assert (
         ": events: need a horizon that is stated, and go with `minimise: energy` alone" in message
     )
+
+
+def test_nothing_happens_to_who_was_taken_away_before() -> None:
+    entry = "at: 3, remove: ann}\n  - {at: 5, agent: ann, delay: 1"
+    assert "events[1]: 'ann' was taken away before" in refusal(events(entry))
