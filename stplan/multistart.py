@@ -38,6 +38,8 @@ RELAXED_PAIRS = 15_000
 # Of so few agents in a map searches compete with relaxation where straight ways are clear of its walls, too:
 # they let agents give way in time where there is little space, and take no long time.
 FEW_IN_A_MAP = 8
+# So many agents pass each other on one side or the other: there is nothing more to look for.
+PAIR = 2
 # Share of the time limit for an earlier horizon.
 HASTE = 0.5
 
@@ -165,8 +167,8 @@ def _best_seeds(problem: PlanningProblem, budget: Budget, first_deadline: float)
 
 
 def _contested(problem: PlanningProblem) -> bool:
-    """Whether few agents of a map are in each other's way."""
-    few = problem.free_space is not None and problem.num_agents <= FEW_IN_A_MAP
+    """Whether few agents of a map, but more than two, are in each other's way."""
+    few = problem.free_space is not None and PAIR < problem.num_agents <= FEW_IN_A_MAP
     return few and straight_conflicts(problem) > 0
 
 
@@ -186,7 +188,7 @@ def _starts(
 
 def _worthwhile_improvement(num_agents: int, effort: Effort) -> float:
     """What the cheapest plan of so many agents is improved for."""
-    if num_agents > CROWD:
+    if not PAIR < num_agents <= CROWD:
         return 0.0
     return effort.improvement * min(num_agents / FEW_AGENTS, 1.0, MANY_AGENTS / num_agents)
 

@@ -216,7 +216,7 @@ def test_stages_add_up() -> None:
 
 
 def test_plans_between_walls_are_improved_by_a_counted_effort_and_never_dearer() -> None:
-    given = tight.corridor_with_pocket(np.random.default_rng(1), half_width=2.0)
+    given = tight.plus_crossing(np.random.default_rng(1), turn=2)
     given = replace(given, solver=replace(given.solver, knots=20))
     first, again = plan(given), plan(given)
     record = first.report.improvement

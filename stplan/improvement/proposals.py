@@ -29,7 +29,7 @@ from stplan.seeding.search.layered_dijkstra import HARD, space_time_length
 from stplan.seeding.search.least_cost import move_costs
 from stplan.seeding.search.levels import Levels
 from stplan.seeding.search.planner import LayeredPlanner
-from stplan.seeding.search.seed_improvement import cheapest_start, improve_seed
+from stplan.seeding.search.seed_improvement import cheapest_start, improve_seed, moves_in_a_second
 from stplan.seeding.seeder import Budget
 from stplan.seeding.shortcutting.shortcuts import prepare_seed
 
@@ -50,8 +50,9 @@ WHOLE_TIME = 0.5
 LEAST_PART = 0.2
 # A warped clock runs between 1 - WARP and 1 + WARP times as fast at the start.
 WARP = 0.9
-# Planning everybody anew: first seeds, of which the cheapest is improved by so many moves.
-FIRST_SEEDS, SEED_MOVES = 3, 150
+# Planning everybody anew: first seeds, of which the cheapest is improved by so many moves, in about so many
+# seconds at most.
+FIRST_SEEDS, SEED_MOVES, SEED_SECONDS = 3, 150, 3
 
 Curves = list[FloatArray]
 
@@ -232,7 +233,8 @@ class Proposals:
         start = cheapest_start(self._levels, FIRST_SEEDS, budget)
         if not start.clear:
             return None
-        found = improve_seed(self._levels, start, SEED_MOVES, budget, keep=1)[0]
+        moves = min(SEED_SECONDS * moves_in_a_second(self._levels), SEED_MOVES)
+        found = improve_seed(self._levels, start, moves, budget, keep=1)[0]
         tight = tighten(
             self._problem, found.curves, self._required,
             rng_seed=self._rng_seed(), stopped=stopped,

@@ -20,7 +20,7 @@ LARGE = {
     "circle/circle-25", "circle/circle-30", "circle/circle-35",
     "crowds/counterflow", "crowds/evacuation", "crowds/lecture-hall",
     "crowds/platform-exchange", "crowds/stadium-mouth", "flash-mob/flash-mob", "mazes/corn", "mazes/rings",
-    "meadow/meadow",
+    "meadow/meadow", "pond/friends", "pond/meeting", "pond/messenger", "safari/safari", "subway/platform",
     "tight/cabin", "tight/door", "tight/parking-lot", "tight/warehouse",
 }  # fmt: skip
 NAMES = sorted(str(path.relative_to(SCENES).with_suffix("")) for path in SCENES.rglob("*.yaml"))

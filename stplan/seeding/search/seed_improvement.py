@@ -59,9 +59,15 @@ MOST_MOVES, MOVES_AN_AGENT = 240, 24
 
 def worthwhile_moves(levels: Levels) -> int:
     """How many moves a scene is worth: fewer of more agents and of larger roadmaps."""
+    most = min(MOST_MOVES, MOVES_AN_AGENT * levels.problem.num_agents)
+    return min(moves_in_a_second(levels), most)
+
+
+def moves_in_a_second(levels: Levels) -> int:
+    """How many moves take about a second: fewer of more agents and of larger roadmaps."""
     level = levels.at(_margin(levels))
     work = len(level.graph.length) * level.layers + AGENT_WORK * levels.problem.num_agents
-    return min(IMPROVEMENT_WORK // work, MOST_MOVES, MOVES_AN_AGENT * levels.problem.num_agents)
+    return IMPROVEMENT_WORK // work
 
 
 def improve_seed(
