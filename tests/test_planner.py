@@ -116,7 +116,7 @@ def used_up(monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
 def stuck(monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
     """Settings of an Ipopt that gives up before its first step."""
     del monkeypatch
-    return {"ipopt": {"max_cpu_time": 1e-6}}
+    return {"ipopt": {"max_wall_time": 1e-9}}
 
 
 def displaced(monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
