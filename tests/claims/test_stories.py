@@ -19,6 +19,7 @@ from tests.claims.plans import (
 )
 
 
+@pytest.mark.claims
 def test_the_message_is_delivered_in_a_hurry(claim):
     """An agent meets another "to deliver a message" and then arrives "faster than the other agents"."""
     leads = {}
@@ -34,6 +35,7 @@ def test_the_message_is_delivered_in_a_hurry(claim):
     claim("pond-messenger", "her way over that with no message", ways[0] / ways[1], at_least=1.1)
 
 
+@pytest.mark.claims
 def test_two_meet_and_everyone_arrives_together(claim):
     """An agent meets a second one, "yet arrives at his end goal at the same time"."""
     found = curves("pond/meeting")
@@ -48,7 +50,14 @@ def test_strangers_keep_to_themselves(claim):
     claim("pond-strangers", "longest path over straight", longest, at_most=1.05)
 
 
-@pytest.mark.parametrize("story", ["messenger", "meeting", "strangers", "friends"])
+@pytest.mark.parametrize(
+    "story",
+    [
+        *(pytest.param(name, marks=pytest.mark.claims) for name in ("messenger", "meeting")),
+        "strangers",
+        "friends",
+    ],
+)
 def test_nobody_turns_on_the_spot(story, claim):
     """Trajectories are "smooth": agents round their corners, also where they meet somebody."""
     found = curves(f"pond/{story}").values()
@@ -84,6 +93,7 @@ def test_the_flash_mob_smiles_in_the_wanted_order(claim):
     assert (ends == [agent.goal for agent in agents]).all()
 
 
+@pytest.mark.claims
 def test_sam_outruns_the_baboons(claim):
     """Sam "arrives safely at the truck, escaping the baboons and avoiding the elephant"."""
     found = curves("safari/safari")
@@ -97,6 +107,7 @@ def test_sam_outruns_the_baboons(claim):
           nearest(found["sam"], found["elephant"]), at_least=3.5)  # fmt: skip
 
 
+@pytest.mark.claims
 def test_the_elephant_is_untroubled(claim):
     """The massive elephant "is untroubled, and will stubbornly continue on its path"."""
     found = curves("safari/safari")

@@ -22,7 +22,9 @@ from tests.claims.plans import (
 PASSAGE = (10.0, 4.7, 12.0, 6.3)
 
 
-@pytest.mark.parametrize("name", ["platform", "platform-tight"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("platform", marks=pytest.mark.claims), "platform-tight"]
+)
 def test_one_at_a_time_through_the_subway_passage(name, claim):
     """In the subway "only one agent can move through the intersection at a time"."""
     scene = f"subway/{name}"
