@@ -15,13 +15,12 @@ from tests.claims.plans import SCENES, planned
 
 # Scenes that take more than a few seconds are planned by `make claims` only.
 LARGE = {
-    "aircraft/first-class", "chases/herd", "chases/mist", "chases/slow-wolf",
-    "circle/circle-20",
-    "circle/circle-25", "circle/circle-30", "circle/circle-35",
-    "crowds/counterflow", "crowds/evacuation", "crowds/lecture-hall",
-    "crowds/platform-exchange", "crowds/stadium-mouth", "flash-mob/flash-mob", "mazes/corn", "mazes/rings",
-    "meadow/meadow", "pond/friends", "pond/meeting", "pond/messenger", "safari/safari", "subway/platform",
-    "tight/cabin", "tight/door", "tight/parking-lot", "tight/warehouse",
+    "aircraft/first-class", "chases/herd", "chases/mist", "chases/slow-wolf", "circle/circle-20",
+    "comparison/gap", "circle/circle-25", "circle/circle-30", "circle/circle-35", "crowds/counterflow",
+    "crowds/evacuation", "crowds/lecture-hall", "crowds/platform-exchange", "crowds/shop",
+    "crowds/stadium-mouth", "flash-mob/flash-mob", "mazes/corn", "mazes/rings", "meadow/meadow",
+    "pond/friends", "pond/meeting", "pond/messenger", "safari/safari", "subway/platform", "tight/cabin",
+    "tight/door", "tight/parking-lot", "tight/warehouse",
 }  # fmt: skip
 NAMES = sorted(str(path.relative_to(SCENES).with_suffix("")) for path in SCENES.rglob("*.yaml"))
 SHIPPED = [
