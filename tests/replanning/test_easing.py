@@ -20,6 +20,7 @@ CROWD = """\
 stplan: 1
 name: crowd
 horizon: 20
+solver: {effort: quick}
 overlap: ease
 defaults: {radius: 0.4}
 map: {rectangle: [-8, -6, 8, 6]}
@@ -34,6 +35,7 @@ ROOM = """\
 stplan: 1
 name: room
 horizon: 20
+solver: {effort: quick}
 map: {rectangle: [-1, -1, 11, 9]}
 overlap: ease
 defaults: {radius: 0.4}

@@ -21,6 +21,7 @@ ROOM = """
 stplan: 1
 name: room
 horizon: 20
+solver: {effort: quick}
 map: {rectangle: [-1, -1, 11, 9]}
 defaults: {radius: 0.4}
 agents:
