@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stplan.arrays import BoolArray, IntArray
-from stplan.compiled import kernel
+from stplan.compiled import inlined, kernel
 from stplan.seeding.search.graph import MoveRows
 
 
@@ -42,6 +42,14 @@ class Window(NamedTuple):
     departure: int = 0
 
 
+@inlined
+def leg_at(vertex: int, leg: int, targets: IntArray) -> int:
+    """The leg that goes on from a vertex reached on `leg`: a later one if targets are there."""
+    while leg < len(targets) - 1 and vertex == targets[leg]:
+        leg += 1
+    return leg
+
+
 @kernel
 def shortest_way(journey: Journey, leaving: MoveRows) -> IntArray:
     """Vertices of one way of fewest hops through all targets of a journey that can be made."""
@@ -51,8 +59,7 @@ def shortest_way(journey: Journey, leaving: MoveRows) -> IntArray:
     way[0] = vertex
     leg = 0
     for step in range(1, len(way)):
-        while leg < len(targets) - 1 and vertex == targets[leg]:
-            leg += 1
+        leg = leg_at(vertex, leg, targets)
         for place in range(leaving.offsets[vertex], leaving.offsets[vertex + 1]):
             move = leaving.moves[place]
             if journey.free[move] and hops[leg, leaving.ends[move]] < hops[leg, vertex]:

@@ -16,7 +16,7 @@ from stplan.arrays import FloatArray, IntArray
 from stplan.compiled import inlined, kernel
 from stplan.deadline import passed
 from stplan.seeding.search.graph import UNREACHABLE, Graph, MoveRows
-from stplan.seeding.search.journey import Journey, Window
+from stplan.seeding.search.journey import Journey, Window, leg_at
 from stplan.seeding.search.reservations import CountArray
 
 StateArray = NDArray[np.int32]
@@ -152,9 +152,7 @@ def _settle(
                     continue
                 other = leaving.ends[move]
                 total = here[state] + cost[move] + _price(table[move, layer], penalty)
-                next_leg = leg
-                while next_leg < num_legs - 1 and other == targets[next_leg]:
-                    next_leg += 1
+                next_leg = leg_at(other, leg, targets)
                 reached = next_leg * num_vertices + other
                 if total >= after[reached] or layer + 1 + hops[next_leg, other] > last_layer:
                     continue

@@ -17,7 +17,7 @@ from stplan.deadline import passed
 from stplan.geometry.growable import with_room
 from stplan.seeding.search.graph import UNREACHABLE, Graph, MoveRows
 from stplan.seeding.search.heap import drop_root, push
-from stplan.seeding.search.journey import Journey, Window
+from stplan.seeding.search.journey import Journey, Window, leg_at
 from stplan.seeding.search.reservations import CountArray
 
 StateArray = NDArray[np.int32]
@@ -115,10 +115,7 @@ def _begin(
     """
     start, targets, hops, free = journey
     num_layers = table.shape[1]
-    last_leg = len(targets) - 1
-    begun = 0
-    while begun < last_leg and start == targets[begun]:
-        begun += 1
+    begun = leg_at(start, 0, targets)
     if hops[begun, start] >= UNREACHABLE or not free[start]:
         return
     arrival = max(window.departure, window.first)
@@ -166,9 +163,7 @@ def _search(
             other = leaving.ends[move]
             if not free[move]:
                 continue
-            next_leg = leg
-            while next_leg < last_leg and other == targets[next_leg]:
-                next_leg += 1
+            next_leg = leg_at(other, leg, targets)
             to_go = hops[next_leg, other]
             if to_go >= UNREACHABLE:
                 continue

@@ -21,7 +21,7 @@ from stplan.deadline import passed
 from stplan.geometry.growable import with_room
 from stplan.seeding.search.graph import Graph, MoveRows
 from stplan.seeding.search.heap import drop_root, push
-from stplan.seeding.search.journey import Journey, Window
+from stplan.seeding.search.journey import Journey, Window, leg_at
 from stplan.seeding.search.reservations import CountArray
 from stplan.seeding.search.safe_interval import (
     ARRIVAL,
@@ -191,9 +191,7 @@ def _begin(
     with 0.
     """
     start, targets, hops, free = journey
-    begun = 0
-    while begun < len(targets) - 1 and start == targets[begun]:
-        begun += 1
+    begun = leg_at(start, 0, targets)
     if window.first + hops[begun, start] > window.last or not free[start]:
         return memory
     memory = _Memory(memory.labels, with_room(memory.intervals, table.shape[1]), memory.heap)
@@ -253,9 +251,7 @@ def _search(
             other = leaving.ends[move]
             if not free[move]:
                 continue
-            next_leg = leg
-            while next_leg < last_leg and other == targets[next_leg]:
-                next_leg += 1
+            next_leg = leg_at(other, leg, targets)
             to_go = hops[next_leg, other]
             latest = min(until, num_layers - 1, window.last - 1 - to_go)
             if latest < labels[label, ARRIVAL]:
